@@ -7,7 +7,7 @@ use anyhow::ensure;
 use contactbench::check::{self, Limits};
 use contactbench::contact::{Arithmetic, Bodies, Test};
 use contactbench::detect::any::{self, Both};
-use contactbench::detect::table::{Entry, Group, Judge, Role, Speed};
+use contactbench::detect::table::{Entry, Group, Role, Speed};
 use contactbench::detect::{Declare, Detector, Options, Refusal, within};
 use contactbench::probe::{Op, Probe, Tally};
 use contactbench::scene::spec::Spec;
@@ -73,7 +73,7 @@ static TABLE: &[Entry] = &[
         limits: "many particles at the same x are N^2",
         threads: false,
         speed: Speed::Usual,
-        judge: Judge::NOT,
+        judge: 0,
         parameters: &[],
         constructor: Both::<SweepX, SweepX>::boxed,
     },

@@ -1,9 +1,9 @@
 //! Finds the true contacts of a scene, for a given arithmetic.
 //!
 //! * Up to [`BRUTE_FORCE`] particles, every pair is tested.
-//! * Above, two different detectors must find the same set of pairs, and 1,000 random particles are
-//!   tested against all others. If fewer than two detectors accept the scene, every pair is tested
-//!   after all.
+//! * Above, two different detectors must find contacts of the same digest, and 1,000 random
+//!   particles are tested against all others, except those that a [`Sieve`] proves to be apart. If
+//!   fewer than two detectors accept the scene, every pair is tested after all.
 //!
 //! Unit tests compare the contact test itself with arbitrary-precision arithmetic.
 
@@ -15,6 +15,7 @@ use crate::crowd;
 use crate::detect::Options;
 use crate::detect::any::AnyDetector;
 use crate::detect::table::{self, Entry};
+use crate::filter::{Sieve, bounds};
 use crate::pair_list::{Allowance, PairList};
 use crate::parallel;
 use crate::probe::Silent;
@@ -24,7 +25,7 @@ use crate::sink::{Digest, Sink, normalise, splitmix64};
 use crate::with_scene;
 
 /// Largest number of particles for which every pair is tested.
-pub const BRUTE_FORCE: usize = 20_000;
+pub const BRUTE_FORCE: usize = 3_000;
 /// Number of random particles that are tested against all others if not every pair is tested.
 pub const SAMPLE: usize = 1_000;
 
@@ -113,10 +114,37 @@ pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<T
 }
 
 fn brute_force(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>, Refusal> {
-    rows(scene, test, Rows { particles: None, limit })
+    rows(scene, test, Rows { chosen: None, limit })
 }
 
-fn rows(scene: &AnyScene<'_>, test: Test, rows: Rows) -> Result<Vec<[u32; 2]>, Refusal> {
+/// Returns the contacts of the chosen particles, in ascending order, under a contact test, for the
+/// scene's numbers as stored. Each chosen particle is tested against all others, except those that
+/// are certainly apart. A list of pairs may take `limit` bytes.
+///
+/// # Errors
+/// Fails as [`truth_as_stored`].
+pub fn touching(
+    scene: &AnyScene<'_>,
+    test: Test,
+    chosen: &[bool],
+    limit: u64,
+) -> Result<Vec<[u32; 2]>, NoTruth> {
+    let test = test.safe();
+    if test.is_exact() && !scene.is_f64() {
+        let stored = scene.as_stored(Arithmetic::F64)?;
+        return touching(&stored, test, chosen, limit);
+    }
+    let mut pairs = rows(scene, test, Rows { chosen: Some(&numbers(chosen)), limit })?;
+    pairs.dedup(); // Pairs of two chosen particles were tested from both sides.
+    Ok(pairs)
+}
+
+/// Returns the numbers of the chosen particles.
+pub(crate) fn numbers(chosen: &[bool]) -> Vec<u32> {
+    (0..chosen.len() as u32).filter(|&k| chosen[k as usize]).collect()
+}
+
+fn rows(scene: &AnyScene<'_>, test: Test, rows: Rows<'_>) -> Result<Vec<[u32; 2]>, Refusal> {
     match scene {
         AnyScene::Plane(scene) => with_stored(scene, test, rows),
         AnyScene::Space(scene) => with_stored(scene, test, rows),
@@ -128,131 +156,115 @@ fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>,
     let ask = |detector: &mut dyn AnyDetector| {
         let mut pairs = Vec::new();
         detector.list(scene, test, &mut pairs)?;
+        Ok((Digest::from_pairs(&pairs), pairs))
+    };
+    let sorted = |mut pairs: Vec<_>| {
         normalise(&mut pairs);
         Ok(pairs)
     };
-    let tested = |chosen: &[bool]| {
-        let particles = (0..n as u32).filter(|&k| chosen[k as usize]).collect();
-        let mut pairs = rows(scene, test, Rows { particles: Some(particles), limit })?;
-        pairs.dedup(); // Pairs of two chosen particles were tested from both sides.
-        Ok(pairs)
-    };
-    let sample = Sample { n, particles: SAMPLE };
-    match sample.agreed(&judges(scene), limit, ask, tested, |pair| pair)? {
+    let tested = |chosen: &[bool]| touching(scene, test, chosen, limit);
+    match agreed_by(n, &table::judges(), limit, ask, sorted, tested, |pair| pair)? {
         Some(pairs) => Ok(pairs),
         None if n > LARGEST_BRUTE_FORCE => Err(NoTruth::TooLarge { n }),
         None => Ok(brute_force(scene, test, limit)?),
     }
 }
 
-/// A sample of random particles of a scene, which are tested against all others.
-pub(crate) struct Sample {
-    /// Number of particles in the scene.
-    pub n: usize,
-    /// Largest number of particles in the sample.
-    pub particles: usize,
-}
-
-impl Sample {
-    /// Asks detectors in turn until two have accepted the scene. Returns their contacts if both
-    /// agree with each other and with the sample, or `None` if fewer than two accept. All lists are
-    /// in ascending order.
-    pub fn agreed<C: Copy + PartialEq>(
-        &self,
-        judges: &[&'static Entry],
-        limit: u64,
-        ask: impl Fn(&mut dyn AnyDetector) -> Result<Vec<C>, Refusal>,
-        tested: impl Fn(&[bool]) -> Result<Vec<C>, Refusal>,
-        particles: impl Fn(C) -> [u32; 2],
-    ) -> Result<Option<Vec<C>>, NoTruth> {
-        let options = Options { memory_limit: limit, ..Options::default() };
-        let mut first: Option<(&'static str, Vec<C>)> = None;
-        for entry in judges {
-            let pairs = match ask(&mut *entry.make(options)) {
-                Ok(pairs) => pairs,
-                Err(refusal) if refusal.is_of_scene() => return Err(refusal.into()),
-                Err(_) => continue,
-            };
-            let Some((first, agreed)) = first.take() else {
-                first = Some((entry.name, pairs));
-                continue;
-            };
-            let (a, b) = (agreed.len(), pairs.len());
-            if agreed != pairs {
-                return Err(NoTruth::Disagree { first, second: entry.name, a, b });
-            }
-            drop(agreed);
-            let chosen = self.chosen();
-            let is_chosen = |k: u32| chosen[k as usize];
-            let of_chosen = |&pair: &C| particles(pair).into_iter().any(is_chosen);
-            let mut theirs = pairs.iter().copied().filter(of_chosen);
-            let mut ours = tested(&chosen)?.into_iter();
-            loop {
-                match (ours.next(), theirs.next()) {
-                    (None, None) => break,
-                    (a, b) if a == b => {}
-                    (a, b) => {
-                        let [i, j] = a.or(b).map_or([0; 2], &particles);
-                        let particle = if is_chosen(i) { i } else { j };
-                        return Err(NoTruth::Sample { particle });
-                    }
+/// Asks detectors for lists of contacts in turn until two have accepted the scene. Returns the
+/// contacts in ascending order if both agree with each other, and with random particles that are
+/// tested against all others; `None` if fewer than two detectors accept the scene.
+pub(crate) fn agreed_by<L, C: Copy + PartialEq>(
+    n: usize,
+    judges: &[&'static Entry],
+    limit: u64,
+    ask: impl Fn(&mut dyn AnyDetector) -> Result<(Digest, L), Refusal>,
+    sorted: impl Fn(L) -> Result<Vec<C>, Refusal>,
+    tested: impl Fn(&[bool]) -> Result<Vec<C>, NoTruth>,
+    particles: impl Fn(C) -> [u32; 2],
+) -> Result<Option<Vec<C>>, NoTruth> {
+    let options = Options { memory_limit: limit, ..Options::default() };
+    let mut first: Option<(&'static str, Digest)> = None;
+    for entry in judges {
+        let (digest, list) = match ask(&mut *entry.make(options)) {
+            Ok(answer) => answer,
+            Err(refusal) if refusal.is_of_scene() => return Err(refusal.into()),
+            Err(_) => continue,
+        };
+        let Some((first, agreed)) = first.replace((entry.name, digest)) else { continue };
+        if agreed != digest {
+            let (a, b) = (agreed.contacts as usize, digest.contacts as usize);
+            return Err(NoTruth::Disagree { first, second: entry.name, a, b });
+        }
+        let (pairs, chosen) = (sorted(list)?, random(n, SAMPLE, 0));
+        let is_chosen = |k: u32| chosen[k as usize];
+        let of_chosen = |&pair: &C| particles(pair).into_iter().any(is_chosen);
+        let mut theirs = pairs.iter().copied().filter(of_chosen);
+        let mut ours = tested(&chosen)?.into_iter();
+        loop {
+            match (ours.next(), theirs.next()) {
+                (None, None) => break,
+                (a, b) if a == b => {}
+                (a, b) => {
+                    let [i, j] = a.or(b).map_or([0; 2], &particles);
+                    let particle = if is_chosen(i) { i } else { j };
+                    return Err(NoTruth::Sample { particle });
                 }
             }
-            drop(theirs);
-            return Ok(Some(pairs));
         }
-        Ok(None)
+        drop(theirs);
+        return Ok(Some(pairs));
     }
-
-    fn chosen(&self) -> Vec<bool> {
-        let mut chosen = vec![false; self.n];
-        let mut left = self.particles.min(self.n);
-        for k in 0.. {
-            if left == 0 {
-                break;
-            }
-            let drawn = (splitmix64(k) % self.n as u64) as usize;
-            left -= usize::from(!std::mem::replace(&mut chosen[drawn], true));
-        }
-        chosen
-    }
+    Ok(None)
 }
 
-/// Returns the detectors that may determine the true contacts of a scene, in order of preference.
-pub fn judges(scene: &AnyScene<'_>) -> Vec<&'static Entry> {
-    let differ = with_scene!(scene, scene => {
-        let large = 0.5 * scene.largest_radius().wide();
-        (0..scene.len()).any(|k| scene.radius(k).wide() < large)
-    });
-    table::judges(if differ { |it| it.differ } else { |it| it.alike })
+/// Returns which of `n` particles are in a random sample of at most `count` particles.
+pub fn random(n: usize, count: usize, seed: u32) -> Vec<bool> {
+    let mut chosen = vec![false; n];
+    let mut left = count.min(n);
+    for k in u64::from(seed) << 32.. {
+        if left == 0 {
+            break;
+        }
+        let drawn = (splitmix64(k) % n as u64) as usize;
+        left -= usize::from(!std::mem::replace(&mut chosen[drawn], true));
+    }
+    chosen
 }
 
-/// Tests all pairs, or only the given particles against all others. Pairs are in ascending order; a
-/// pair of two given particles appears twice.
-struct Rows {
-    particles: Option<Vec<u32>>,
+/// Tests all pairs, or only the chosen particles against all others. Pairs are in ascending order;
+/// a pair of two chosen particles appears twice.
+struct Rows<'a> {
+    chosen: Option<&'a [u32]>,
     /// Limit for the list of pairs, in bytes.
     limit: u64,
 }
 
-impl<T: Real, const D: usize> WithBodies<T, D> for Rows {
+impl<T: Real, const D: usize> WithBodies<T, D> for Rows<'_> {
     type Output = Result<Vec<[u32; 2]>, Refusal>;
     fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
         let n = bodies.len() as u32;
-        let row = |i: u32, from: u32, pairs: &mut PairList<'_>| {
-            for j in (from..n).filter(|&j| j != i) {
-                if bodies.touch(i, j, &mut Silent) {
-                    pairs.contact(i, j);
-                }
+        let test = |i: u32, j: u32, pairs: &mut PairList<'_>| {
+            if bodies.touch(i, j, &mut Silent) {
+                pairs.contact(i, j);
             }
         };
-        let count = (self.particles.as_ref().map_or(n as usize, Vec::len), n as usize);
+        let sieve = self.chosen.map(|chosen| {
+            let (low, high) = bounds(&bodies);
+            let at: Vec<[f64; D]> = chosen.iter().map(|&k| bodies.position(k)).collect();
+            let spans = std::array::from_fn(|k| Some([low[k], high[k]]));
+            (chosen, Sieve::new(&at, [bodies.reach(); D], spans))
+        });
         let threads = rayon::current_num_threads();
+        let count = (n as usize, n as usize);
         let found = parallel::contacts(count, threads, self.limit, &|rows, pairs| {
-            for k in rows {
-                match &self.particles {
-                    None => row(k as u32, k as u32 + 1, pairs),
-                    Some(particles) => row(particles[k], 0, pairs),
+            for i in rows.start as u32..rows.end as u32 {
+                match &sieve {
+                    None => (i + 1..n).for_each(|j| test(i, j, pairs)),
+                    Some((chosen, sieve)) => sieve.near(&bodies.position(i), |k| {
+                        if chosen[k] != i {
+                            test(chosen[k], i, pairs);
+                        }
+                    }),
                 }
             }
         })?;
@@ -324,7 +336,7 @@ mod tests {
     use super::*;
     use crate::detect::any::Both;
     use crate::detect::control::Nothing;
-    use crate::detect::table::{Group, Judge, Role, Speed};
+    use crate::detect::table::{Group, Role, Speed};
 
     static JUDGE: Entry = Entry {
         name: "judge",
@@ -336,7 +348,7 @@ mod tests {
         limits: "",
         threads: false,
         speed: Speed::Usual,
-        judge: Judge::NOT,
+        judge: 0,
         parameters: &[],
         constructor: Both::<Nothing, Nothing>::boxed,
     };
@@ -348,10 +360,10 @@ mod tests {
             let asked = std::cell::Cell::new(0);
             let ask = |_: &mut dyn AnyDetector| {
                 asked.set(asked.get() + 1);
-                Ok(if asked.get() == 1 { RIGHT.to_vec() } else { second.to_vec() })
+                let pairs = if asked.get() == 1 { &RIGHT } else { second };
+                Ok((Digest::from_pairs(pairs), pairs.to_vec()))
             };
-            let sample = Sample { n: 4, particles: 4 };
-            sample.agreed(&[&JUDGE; 2], 1 << 20, ask, |_| Ok(tested.to_vec()), |pair| pair)
+            agreed_by(4, &[&JUDGE; 2], 1 << 20, ask, Ok, |_| Ok(tested.to_vec()), |pair| pair)
         };
         assert_eq!(agreed(&RIGHT, &RIGHT).unwrap().unwrap(), RIGHT);
         let disagree = agreed(&RIGHT[..1], &RIGHT).unwrap_err();

@@ -216,7 +216,7 @@ fn entry(Names { name, module, kind }: &Names) -> String {
          \"sorts along x, tests what is within reach\",\n        cost: \"N log N key comparisons, \
          N^(2 - 1/D) bound tests in a box\",\n        memory: \"16N\",\n        limits: \"the \
          memory limit\",\n        threads: false,\n        speed: Speed::Usual,\n        \
-         judge: Judge::NOT,\n        parameters: &[],\n{constructor}    }},\n"
+         judge: 0,\n        parameters: &[],\n{constructor}    }},\n"
     )
 }
 

@@ -6,7 +6,7 @@ use contactbench::check::numbers::{Numbers, bits};
 use contactbench::check::{self, Failure, Limits, Wrong, regression};
 use contactbench::contact::{Arithmetic, Bodies};
 use contactbench::detect::any::Both;
-use contactbench::detect::table::{self, Entry, Group, Judge, Role, Speed};
+use contactbench::detect::table::{self, Entry, Group, Role, Speed};
 use contactbench::detect::{Declare, Detector, Options, Refusal};
 use contactbench::io;
 use contactbench::probe::Probe;
@@ -93,7 +93,7 @@ const fn entry<const WAY: u8>() -> Entry {
         limits: "",
         threads: false,
         speed: Speed::Usual,
-        judge: Judge::NOT,
+        judge: 0,
         parameters: &[],
         constructor: Both::<Mutant<WAY>, Mutant<WAY>>::boxed,
     }

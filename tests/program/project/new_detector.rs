@@ -8,7 +8,7 @@ use contactbench::check::subject::CheckedSubject;
 use contactbench::check::{self, Limits};
 use contactbench::contact::Arithmetic;
 use contactbench::detect::any::Both;
-use contactbench::detect::table::{Entry, Group, Judge, Role, Speed};
+use contactbench::detect::table::{Entry, Group, Role, Speed};
 use contactbench::detect::{Declare, Detector, Options, Refusal, within};
 use contactbench::{contact, sink};
 
@@ -31,7 +31,7 @@ static ENTRY: Entry = Entry {
     limits: "",
     threads: false,
     speed: Speed::Usual,
-    judge: Judge::NOT,
+    judge: 0,
     parameters: &[],
     constructor: Both::<NewDetector, NewDetector>::boxed,
 };

@@ -65,24 +65,6 @@ pub enum Speed {
     Slow,
 }
 
-/// Ranks of a detector among those that establish the truth, from 1; 0 means that it is not used.
-/// Detectors that are used together belong to different families; faster ones have lower ranks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Judge {
-    /// Rank for scenes with particles of similar size.
-    pub alike: u8,
-    /// Rank for scenes with very different sizes, in which nearly all particles would share a few
-    /// cells as large as the largest particle.
-    pub differ: u8,
-    /// Rank for images of particles in a periodic box.
-    pub boxed: u8,
-}
-
-impl Judge {
-    /// A detector that is not used for the truth.
-    pub const NOT: Judge = Judge { alike: 0, differ: 0, boxed: 0 };
-}
-
 /// Values of a detector's parameters by name; parameters at their defaults are absent.
 pub type Params = BTreeMap<String, String>;
 
@@ -106,8 +88,9 @@ pub struct Entry {
     pub threads: bool,
     /// Rough class of the detector's run time.
     pub speed: Speed,
-    /// Ranks of this detector among those that establish the truth.
-    pub judge: Judge,
+    /// Rank of this detector among those that establish the truth, from 1; 0 if it is not used. The
+    /// first detectors that accept a scene belong to different families.
+    pub judge: u8,
     /// Parameters that a user can set.
     pub parameters: &'static [Parameter],
     /// Constructor behind [`Entry::make`] and

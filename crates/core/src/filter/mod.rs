@@ -95,9 +95,11 @@
 
 pub mod bounds;
 pub mod cells;
+mod sieve;
 
 pub use bounds::{axes_by_length, bounds, bounds_by};
 pub use cells::Cells;
+pub(crate) use sieve::Sieve;
 
 use crate::contact::Slack;
 

@@ -54,7 +54,7 @@ mod truth;
 
 pub use contacts::{Contacts, List, contacts};
 pub use finder::Finder;
-pub use truth::{BRUTE_FORCE, Truth, depth, truth, truth_as_stored};
+pub use truth::{BRUTE_FORCE, Truth, depth, touching, truth, truth_as_stored};
 
 use crate::scene::{AnyScene, Lattice, LatticeError};
 

@@ -10,37 +10,37 @@
 //! error of at most 8u times the sum of the magnitudes of its terms (five terms, products with one
 //! more rounding).
 //!
-//! In scenes of more than [`BRUTE_FORCE`] particles (fewer than in open scenes, because a pair
-//! takes longer) two detectors must find equal contacts, and random particles are tested against
-//! all others, as in [`crate::oracle`].
+//! In scenes of more than [`BRUTE_FORCE`] particles two detectors must find equal contacts, and
+//! random particles are tested against all others, as in [`crate::oracle`]. A sieve over fractions
+//! leaves out particles that are certainly apart: by the bound above, without the quarter, some fa
+//! must be near an integer. The sieve compares computed fractions of single particles. Each has an
+//! error of at most 4u times the sum of |ga| |x|, and its part below 1 is rounded by less than u.
 //!
 //! **Rounded.** The result of a rounded test depends on rounded images. The truth is therefore that
 //! of the open scene of particles and images that detectors get ([`super::images`]), as stored.
 //! [`truth_as_stored`] decides the same stored scene exactly.
 
-use super::contacts::List;
+use super::contacts::{Contacts, List};
 use super::crowded;
+use super::finder::Finder;
 use super::frame::{Frame, MOST, U};
 use super::images::Images;
 use super::made::touches;
 use super::stored::stored;
-use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
+use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic, without_shift};
 use crate::contact::depth::depth_of_image;
 use crate::contact::image::Shift;
 use crate::contact::{Arithmetic, Test};
 use crate::detect::any::{AnyDetector, Searched};
 use crate::detect::table;
-use crate::oracle::{self, NoTruth, SAMPLE, Sample};
+use crate::filter::Sieve;
+pub use crate::oracle::BRUTE_FORCE;
+use crate::oracle::{self, NoTruth, agreed_by, numbers};
 use crate::probe::Silent;
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene, array};
 use crate::sink::{Digest, Visit};
 use crate::wide::fill;
-
-/// Largest number of particles for which every pair is tested.
-pub const BRUTE_FORCE: usize = 3_000;
-/// Approximate number of tests in larger scenes, of random particles against all others.
-const TESTS: usize = 20_000_000;
 
 /// The true contacts of a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,11 +63,12 @@ pub fn truth(
     arithmetic: Arithmetic,
     limit: u64,
 ) -> Result<Truth, NoTruth> {
-    let pairs = match periodic.scene() {
-        AnyScene::Plane(scene) => of(periodic, &scene.widened(), arithmetic, limit),
-        AnyScene::Space(scene) => of(periodic, &scene.widened(), arithmetic, limit),
-    }?;
-    Ok(Truth::new(pairs))
+    if !periodic.lattice().repeats() {
+        let stored = periodic.scene().as_stored(arithmetic)?;
+        let pairs = oracle::truth_as_stored(&stored, arithmetic.test(), limit)?.pairs;
+        return Ok(Truth::new(without_shift(&pairs).collect()));
+    }
+    Ok(Truth::new(any(periodic, arithmetic, None, limit)?))
 }
 
 /// Returns the contacts of particles and images as they are stored for an arithmetic, decided
@@ -87,6 +88,24 @@ pub fn truth_as_stored(
     Ok(Truth::new(pairs))
 }
 
+/// Returns the contacts of the chosen particles, in ascending order. Exact arithmetic tests each of
+/// them against all particles; other arithmetics select from [`truth()`]. Fails as [`truth()`].
+pub fn touching(
+    periodic: &Periodic<'_>,
+    arithmetic: Arithmetic,
+    chosen: &[bool],
+    limit: u64,
+) -> Result<Vec<ImagePair>, NoTruth> {
+    if !periodic.lattice().repeats() {
+        let stored = periodic.scene().as_stored(arithmetic)?;
+        let pairs = oracle::touching(&stored, arithmetic.test(), chosen, limit)?;
+        return Ok(without_shift(&pairs).collect());
+    }
+    let mut pairs = any(periodic, arithmetic, Some(chosen), limit)?;
+    pairs.retain(|pair| chosen[pair.i as usize] || chosen[pair.j as usize]);
+    Ok(pairs)
+}
+
 impl Truth {
     fn new(pairs: Vec<ImagePair>) -> Truth {
         let mut digest = Digest::default();
@@ -95,10 +114,24 @@ impl Truth {
     }
 }
 
+/// Returns all contacts, or at least those of the chosen particles.
+fn any(
+    periodic: &Periodic<'_>,
+    arithmetic: Arithmetic,
+    chosen: Option<&[bool]>,
+    limit: u64,
+) -> Result<Vec<ImagePair>, NoTruth> {
+    match periodic.scene() {
+        AnyScene::Plane(scene) => of(periodic, &scene.widened(), arithmetic, chosen, limit),
+        AnyScene::Space(scene) => of(periodic, &scene.widened(), arithmetic, chosen, limit),
+    }
+}
+
 fn of<const D: usize>(
     periodic: &Periodic<'_>,
     scene: &Scene<'_, f64, D>,
     arithmetic: Arithmetic,
+    chosen: Option<&[bool]>,
     limit: u64,
 ) -> Result<Vec<ImagePair>, NoTruth>
 where
@@ -108,18 +141,20 @@ where
         return bodies(periodic, scene, arithmetic, arithmetic.test(), limit);
     }
     let frame = Frame::new(periodic.lattice())?;
-    if scene.len() > BRUTE_FORCE {
+    if chosen.is_none() && scene.len() > BRUTE_FORCE {
         let n = scene.len();
-        let ask =
-            |detector: &mut dyn AnyDetector| super::contacts(periodic, detector, arithmetic, limit);
-        let sample = Sample { n, particles: (TESTS / n).clamp(16, SAMPLE) };
+        let ask = |detector: &mut dyn AnyDetector| {
+            let mut contacts = Contacts::default();
+            Finder::new(limit).list(periodic, detector, arithmetic, &mut contacts)?;
+            Ok((contacts.digest(), contacts))
+        };
+        let sorted = |contacts: Contacts| contacts.sorted(n, limit);
         let tested =
-            |chosen: &[bool]| tested(scene, &frame, Some(chosen), arithmetic.test(), limit);
-        let agreed =
-            sample.agreed(&table::judges(|it| it.boxed), limit, ask, tested, |p| [p.i, p.j])?;
+            |chosen: &[bool]| Ok(tested(scene, &frame, Some(chosen), arithmetic.test(), limit)?);
+        let agreed = agreed_by(n, &table::judges(), limit, ask, sorted, tested, |p| [p.i, p.j])?;
         return agreed.ok_or(NoTruth::TooLarge { n });
     }
-    Ok(tested(scene, &frame, None, arithmetic.test(), limit)?)
+    Ok(tested(scene, &frame, chosen, arithmetic.test(), limit)?)
 }
 
 /// Tests the pairs of the open scene that detectors get, as it is stored.
@@ -169,34 +204,61 @@ fn tested<const D: usize>(
     // half of it, or much less if the box is skewed.
     let most = 8.0 * n as f64 * n as f64 + 16.0 * (limit / IMAGE_PAIR_BYTES) as f64;
     let (mut images, mut list) = (0.0, List::new(limit));
-    let few: Vec<usize> = match chosen {
-        Some(chosen) => (0..n).filter(|&j| chosen[j]).collect(),
-        None => Vec::new(),
-    };
-    for i in 0..n {
-        let all = chosen.is_none_or(|chosen| chosen[i]);
-        // The partners of a particle: all later particles, or the chosen ones among them.
-        let few = if all { &[][..] } else { &few[few.partition_point(|&j| j < i)..] };
-        for j in (i..if all { n } else { i }).chain(few.iter().copied()) {
-            let sum = scene.radius(i) + scene.radius(j);
-            let ranges = around(frame, [i, j], at(i), at(j), sum)?;
-            images += ranges.map(|[low, high]| f64::from(high - low + 1)).iter().product::<f64>();
-            if images > most {
-                let needed = images * IMAGE_PAIR_BYTES as f64;
-                return Err(Refusal::Images { particles: n as u64, images, reach, needed, limit });
-            }
-            for_all(ranges, |image| {
-                let Ok(given) = frame.given(image) else { return };
-                if i == j && image <= [0; 3] || apart(frame, at(i), at(j), given, sum) {
-                    return;
-                }
-                let image = given;
-                let pair = [i as u32, j as u32];
-                if touches(scene, pair, Shift { image, vectors: &frame.vectors }, test) {
-                    list.push(ImagePair::new(pair[0], pair[1], image));
-                }
-            });
+    let mut test = |i: usize, j: usize| {
+        let sum = scene.radius(i) + scene.radius(j);
+        let ranges = around(frame, [i, j], at(i), at(j), sum)?;
+        images += ranges.map(|[low, high]| f64::from(high - low + 1)).iter().product::<f64>();
+        if images > most {
+            let needed = images * IMAGE_PAIR_BYTES as f64;
+            return Err(Refusal::Images { particles: n as u64, images, reach, needed, limit });
         }
+        for_all(ranges, |image| {
+            let Ok(given) = frame.given(image) else { return };
+            if i == j && image <= [0; 3] || apart(frame, at(i), at(j), given, sum) {
+                return;
+            }
+            let image = given;
+            let pair = [i as u32, j as u32];
+            if touches(scene, pair, Shift { image, vectors: &frame.vectors }, test) {
+                list.push(ImagePair::new(pair[0], pair[1], image));
+            }
+        });
+        Ok(())
+    };
+    let Some(chosen) = chosen else {
+        (0..n).try_for_each(|i| (i..n).try_for_each(|j| test(i, j)))?;
+        return list.end(n);
+    };
+    let few = numbers(chosen);
+    let fractions = |x: &[f64; D]| -> [f64; 3] {
+        fill(|v| {
+            let fraction = frame.fraction(v, x);
+            fraction - fraction.floor()
+        })
+    };
+    let mut most = [0.0f64; D];
+    (0..n).for_each(|j| most = fill(|k| most[k].max(at(j)[k].abs())));
+    let most: [f64; 3] = fill(|v| frame.most(v, &most));
+    let (coupling, _) = frame.coupling(most.map(|most| 4.0 * most), reach * (1.0 + 4.0 * U));
+    let margin = fill(|v| match frame.periodic[v] {
+        true => {
+            let rounding = 32.0 * U * (most[v] + 1.0);
+            frame.lengths[v] * reach * (1.0 + 16.0 * U) + rounding + coupling[v]
+        }
+        false => f64::INFINITY,
+    });
+    let places: Vec<[f64; 3]> = few.iter().map(|&k| fractions(at(k as usize))).collect();
+    let sieve = Sieve::new(&places, margin, [None; 3]);
+    for j in 0..n {
+        let mut result = Ok(());
+        sieve.near(&fractions(at(j)), |k| {
+            let i = few[k] as usize;
+            // A pair of two chosen particles is tested from one side.
+            if result.is_ok() && !(chosen[j] && j < i) {
+                result = test(i.min(j), i.max(j));
+            }
+        });
+        result?;
     }
     list.end(n)
 }

@@ -1,18 +1,35 @@
 use contactbench_core::contact::Arithmetic;
-use contactbench_core::oracle::{Errors, compare, judges, truth};
-use contactbench_core::scene::{AnyScene, Radii, Scene};
-use contactbench_core::sink::normalise;
+use contactbench_core::oracle::{self, Errors, compare, truth};
+use contactbench_core::periodic::{self, Periodic};
+use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::sink::{normalise, splitmix64};
 
+/// The contacts of chosen particles are those of the whole truth that involve them.
 #[test]
-fn scenes_of_one_large_body_are_judged_without_its_cells() {
-    let with = |small: f64| {
-        let centres = [0.0, 3.0].map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
-        let scene: AnyScene<'_> =
-            Scene::new(centres, Radii::Each(vec![1.0, small].into())).unwrap().into();
-        judges(&scene)[0]
-    };
-    let first = [1.0, 0.5, 0.499, 0.0].map(|part| with(part).name);
-    assert_eq!(first, ["nbs", "nbs", "kd-tree", "kd-tree"]);
+fn chosen_particles_are_tested_against_all_others() {
+    for periodic in [[false; 3], [true; 3], [true, false, true]] {
+        for ratio in [1.0, 50.0] {
+            let n = 2500;
+            let draw = |k: u64| splitmix64(k) as f64 / u64::MAX as f64;
+            let at =
+                |k: u64| nalgebra::Point::from([0, 1, 2].map(|a| 12.0 * draw(3 * k + a) - 3.0));
+            let centres: Vec<_> = (0..n).map(at).collect();
+            let radius =
+                |k: u64| if k == 7 { 0.2 * ratio } else { 0.2 + 0.2 * draw(k + (1 << 40)) };
+            let radii = Radii::Each((0..n).map(radius).collect());
+            let scene: AnyScene<'_> = Scene::new(centres, radii).unwrap().into();
+            let vectors = [[12.0, 0.0, 0.0], [5.0, 12.0, 0.0], [0.0, -4.0, 12.0]];
+            let lattice = Lattice::new(vectors, periodic, [0.0; 3]).unwrap();
+            let space = Periodic::new(scene, lattice).unwrap();
+            for arithmetic in [Arithmetic::Exact, Arithmetic::ExactOpen, Arithmetic::F32] {
+                let chosen = oracle::random(n as usize, 100, 5);
+                let found = periodic::touching(&space, arithmetic, &chosen, 1 << 30).unwrap();
+                let mut truth = periodic::truth(&space, arithmetic, 1 << 30).unwrap().pairs;
+                truth.retain(|it| chosen[it.i as usize] || chosen[it.j as usize]);
+                assert!(found == truth && found.len() > 50, "{periodic:?} {ratio} {arithmetic:?}");
+            }
+        }
+    }
 }
 
 #[test]

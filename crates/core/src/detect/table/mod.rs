@@ -4,7 +4,7 @@
 use super::any::{AnyDetector, Both, Refuses};
 use super::book::nbs_levels::NbsLevels;
 use super::book::{binary_tree, direct, nbs, screening, sorting};
-pub use super::entry::{Beside, Entry, Group, Judge, Parameter, Params, Role, Speed};
+pub use super::entry::{Beside, Entry, Group, Parameter, Params, Role, Speed};
 use super::modern::{bvh, cell_grid, hash_grid, hgrid, kd_tree, sweep};
 #[cfg(feature = "peers")]
 use super::peers::Peer;
@@ -31,7 +31,7 @@ const PLAIN: Entry = Entry {
     limits: "",
     threads: false,
     speed: Speed::Usual,
-    judge: Judge::NOT,
+    judge: 0,
     parameters: &[],
     // The default constructor finds no contacts, which every test notices.
     constructor: Both::<control::Nothing, control::Nothing>::boxed,
@@ -59,7 +59,6 @@ pub static TABLE: &[Entry] = &[
         memory: "4N + 8 nodes",
         limits: "cells per axis < 2^31; the memory limit",
         speed: Speed::Slow,
-        judge: Judge { alike: 3, differ: 0, boxed: 0 },
         constructor: Both::<binary_tree::BinaryTree, binary_tree::BinaryTree>::boxed,
         ..PLAIN
     },
@@ -71,7 +70,6 @@ pub static TABLE: &[Entry] = &[
         memory: "4(nx ny [nz] + N)",
         limits: "memory: loose packs and far-away particles are refused",
         speed: Speed::Usual,
-        judge: Judge { alike: 4, differ: 0, boxed: 0 },
         constructor: Both::<screening::Screening, screening::Screening>::boxed,
         ..PLAIN
     },
@@ -83,7 +81,6 @@ pub static TABLE: &[Entry] = &[
         memory: "12N in 2D, 16N in 3D",
         limits: "cells per axis < 2^31; the memory limit",
         speed: Speed::Usual,
-        judge: Judge { alike: 2, differ: 4, boxed: 4 },
         constructor: Both::<sorting::Sorting<2>, sorting::Sorting<3>>::boxed,
         ..PLAIN
     },
@@ -96,7 +93,7 @@ pub static TABLE: &[Entry] = &[
                  about twice that",
         limits: "memory: a particle so far away that nx + ny + nz exceeds the limit",
         speed: Speed::Usual,
-        judge: Judge { alike: 1, differ: 3, boxed: 3 },
+        judge: 4,
         parameters: &[Parameter {
             name: "levels",
             values: &["none", "auto"],
@@ -118,7 +115,7 @@ pub static TABLE: &[Entry] = &[
         limits: "cells per axis < 2^31 where particles crowd; the memory limit",
         threads: true,
         speed: Speed::Fast,
-        judge: Judge { alike: 0, differ: 0, boxed: 2 },
+        judge: 1,
         parameters: &[
             Parameter {
                 name: "form",
@@ -170,7 +167,6 @@ pub static TABLE: &[Entry] = &[
         memory: "4(C + N) + 44S + 24N in 2D, 48S + 32N in 3D; S strips of 8 cells, C slots",
         limits: "cells per axis < 2^31 where particles crowd; the memory limit",
         speed: Speed::Usual,
-        judge: Judge { alike: 0, differ: 2, boxed: 0 },
         parameters: &[
             Parameter {
                 name: "ratio",
@@ -214,7 +210,7 @@ pub static TABLE: &[Entry] = &[
         memory: "24N + 64L in 2D, 32N + 96L in 3D; L the power of two from N/16 upwards",
         limits: "the memory limit",
         speed: Speed::Usual,
-        judge: Judge { alike: 0, differ: 1, boxed: 0 },
+        judge: 2,
         constructor: Both::<kd_tree::KdTree<2>, kd_tree::KdTree<3>>::boxed,
         ..PLAIN
     },
@@ -226,7 +222,7 @@ pub static TABLE: &[Entry] = &[
         memory: "40N + 64L in 2D, 48N + 96L in 3D; L the power of two from N/16 upwards",
         limits: "the memory limit; clumps far from the rest are slow",
         speed: Speed::Usual,
-        judge: Judge { alike: 0, differ: 0, boxed: 1 },
+        judge: 3,
         constructor: Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed,
         ..PLAIN
     },
@@ -304,10 +300,10 @@ pub fn robust(options: Options) -> Box<dyn AnyDetector> {
     Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed(&Params::new(), options)
 }
 
-/// Returns the detectors that may establish the truth, sorted by the rank that `place` selects.
-pub fn judges(place: fn(&Judge) -> u8) -> Vec<&'static Entry> {
-    let mut judges: Vec<&Entry> = TABLE.iter().filter(|it| place(&it.judge) > 0).collect();
-    judges.sort_by_key(|entry| place(&entry.judge));
+/// Returns the detectors that may establish the truth, sorted by rank.
+pub fn judges() -> Vec<&'static Entry> {
+    let mut judges: Vec<&Entry> = TABLE.iter().filter(|it| it.judge > 0).collect();
+    judges.sort_by_key(|entry| entry.judge);
     judges
 }
 

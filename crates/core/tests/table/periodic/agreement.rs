@@ -172,7 +172,7 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
 /// In larger scenes detectors establish the truth, and a sample of pairs checks it.
 #[test]
 fn detectors_agree_on_the_truth_of_large_scenes() {
-    let n = contactbench_core::oracle::BRUTE_FORCE + 1;
+    let n = 20_000;
     let random = &mut ChaCha8Rng::seed_from_u64(4);
     let bag = Bag {
         centres: (0..n).map(|_| [0, 1].map(|_| 100.0 * random.random::<f64>())).collect(),
@@ -182,5 +182,6 @@ fn detectors_agree_on_the_truth_of_large_scenes() {
         origin: [0.0; 3],
     };
     let expected = ask(&mut *TABLE[5].make(OPTIONS), &bag.periodic(), Arithmetic::Exact).unwrap();
-    assert!(bag.truth() == expected && expected.iter().any(|pair| pair.image != [0; 3]));
+    assert!(expected.iter().any(|pair| pair.image != [0; 3]));
+    assert_eq!(bag.truth(), expected);
 }
