@@ -7,12 +7,13 @@ use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
-use crate::cli::shared::sequence::{Sequence, Wanted, sequence};
+use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
 use crate::cli::shared::tracking;
 use crate::cli::shared::{terminal, values};
 use contactbench_core::contact::Arithmetic;
+use contactbench_core::oracle::SAMPLE;
 use contactbench_core::track::{self, TrackerSpec};
-use contactbench_run::moving::{Question, follow};
+use contactbench_run::moving::{Check, Question, follow};
 use contactbench_scenes::motion::{self, Kind, Motion};
 
 #[derive(clap::Args)]
@@ -32,12 +33,26 @@ pub struct Track {
     #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic(), default_value_t)]
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
+    /// Check all, sample or none [default: by N * frames]
+    #[arg(long, value_name = "CONTACTS", hide_possible_values = true)]
+    truth: Option<Truth>,
     #[command(flatten)]
     limit: Limit,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Truth {
+    All,
+    Sample,
+    None,
+}
+
+/// Largest number of particles times frames for which all contacts are checked by default. Checking
+/// them takes some ten seconds. A file counts as [`FRAMES`] frames unless the options limit them.
+const CHECKED: u64 = 10_000_000;
 
 /// The default trackers: all safe rules, LAMMPS's default, and one that tracks no displacement.
 const USUAL: [&str; 7] = [
@@ -52,7 +67,7 @@ const USUAL: [&str; 7] = [
 
 const MOTION: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
 
-/// Runs all trackers over the frames of a motion or a file, and compares them with the truth.
+/// Runs all trackers over the frames of a motion or a file, and checks their contacts.
 pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     let texts: Vec<&str> = match options.trackers.is_empty() {
         true => USUAL.to_vec(),
@@ -82,7 +97,15 @@ fn followed(
 ) -> anyhow::Result<ExitCode> {
     let Sequence { name, motion, particles, count: frames, next, .. } = sequence;
     let memory_limit = options.limit.bytes(particles);
-    let question = Question { trackers, arithmetic: options.arithmetic, frames, memory_limit };
+    let expected = if frames == u64::MAX { FRAMES } else { frames };
+    let check = match options.truth {
+        Some(Truth::All) => Check::All,
+        Some(Truth::None) => Check::None,
+        None if (particles as u64).saturating_mul(expected) <= CHECKED => Check::All,
+        Some(Truth::Sample) | None => Check::Sample(SAMPLE),
+    };
+    let arithmetic = options.arithmetic;
+    let question = Question { trackers, arithmetic, frames, memory_limit, check };
     let progress = Counted::new(Some(frames).filter(|&frames| frames < u64::MAX));
     let frame = |k| {
         progress.frame(k);

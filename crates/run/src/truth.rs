@@ -22,6 +22,22 @@ pub(crate) fn truth(
     }
 }
 
+/// Finds the true contacts of the chosen particles, in ascending order.
+pub(crate) fn touching(
+    scene: &Loaded<'_>,
+    arithmetic: Arithmetic,
+    chosen: &[bool],
+    limit: u64,
+) -> Result<Vec<ImagePair>, NoTruth> {
+    match scene {
+        Loaded::InBox(periodic) => periodic::touching(periodic, arithmetic, chosen, limit),
+        Loaded::Open(stored) => {
+            let pairs = oracle::touching(stored, arithmetic.test(), chosen, limit)?;
+            Ok(without_shift(&pairs).collect())
+        }
+    }
+}
+
 /// Returns how deep a contact is, in mean radii; negative for a pair that is apart.
 pub(crate) fn depth(scene: &Loaded<'_>, pair: ImagePair) -> f64 {
     match scene {

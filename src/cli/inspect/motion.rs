@@ -9,7 +9,7 @@ use crate::cli::shared::tracking;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::memory;
 use contactbench_io as io;
-use contactbench_run::moving::{Moved, Question, Recorded, follow};
+use contactbench_run::moving::{Check, Moved, Question, Recorded, follow};
 use contactbench_terms::number::plural;
 
 /// Prints the motion from frame to frame, or warns if it cannot be read.
@@ -21,8 +21,12 @@ pub(super) fn report(options: &Inspect, [particles, frames]: [usize; 2], out: &m
         Ok(moved) => {
             let all = plural(moved.frames as usize, "frame");
             let particles = plural(moved.particles as usize, "particle");
-            let text = format!("{all} of {particles}: {}", tracking::motion(&moved));
-            out.line("motion", text, json!({ "motion": tracking::moved_as_json(&moved) }));
+            let text = format!("{all} of {particles}: {}", tracking::motion(&moved, Check::All));
+            out.line(
+                "motion",
+                text,
+                json!({ "motion": tracking::moved_as_json(&moved, Check::All) }),
+            );
         }
         Err(error) => out.warnings.push(format!("the motion is not described: {error:#}")),
     }
@@ -40,7 +44,8 @@ fn moved(options: &Inspect, particles: usize, frames: u64) -> anyhow::Result<Mov
         };
         let memory_limit = memory::limit_for(particles);
         let arithmetic = Arithmetic::Exact;
-        let question = Question { trackers: &[], arithmetic, frames: u64::MAX, memory_limit };
+        let (frames, check) = (u64::MAX, Check::All);
+        let question = Question { trackers: &[], arithmetic, frames, memory_limit, check };
         Ok(follow(frame, &question)?.moved)
     })
 }

@@ -8,7 +8,7 @@ use contactbench_core::detect::spec::DetectorSpec;
 use contactbench_core::track::TrackerSpec;
 use contactbench_report::document::Block;
 use contactbench_report::table::{Cell, Table};
-use contactbench_run::moving::{Followed, Moved, Tracked};
+use contactbench_run::moving::{Check, Followed, Moved, SEED, Tracked};
 use contactbench_terms::number::{number, percent, plural, radii};
 
 /// Returns the median and the longest time of a frame, in nanoseconds per particle.
@@ -27,7 +27,7 @@ fn mean(tracked: &Tracked, particles: u64) -> Option<f64> {
 }
 
 /// Describes a motion from frame to frame; empty for a single frame.
-pub fn motion(moved: &Moved) -> String {
+pub fn motion(moved: &Moved, check: Check) -> String {
     let Moved { frames, contacts, born, ended, tunnelled, uncounted, displacements, .. } = moved;
     if moved.steps() == 0 {
         return String::new();
@@ -40,23 +40,49 @@ pub fn motion(moved: &Moved) -> String {
     if displacements.at_rest > 0 {
         said += &format!("; {} stay in place", percent(moved.share_at_rest()));
     }
+    let (whose, sampled) = match check {
+        Check::None => return said + ".",
+        Check::All => ("A frame has".to_string(), ""),
+        Check::Sample(count) => (format!("The {count} sampled particles have"), "sampled "),
+    };
     said += &format!(
-        ". A frame has {} contacts; {} are new and {} end with it.",
+        ". {whose} {} contacts; {} are new and {} end with it.",
         number(*contacts as f64 / *frames as f64),
         number(*born as f64 / moved.steps() as f64),
         number(*ended as f64 / moved.steps() as f64),
     );
     said += &match (uncounted, tunnelled) {
         (Some(why), _) => format!(" Contacts between two frames were not counted: {why}"),
-        (None, 0) => " No pair touches only between two frames.".to_string(),
+        (None, 0) => format!(" No {sampled}pair touches only between two frames."),
         (None, _) => format!(
-            " {} more pairs touch only between two frames: {} missed by the time step, not by a \
-             list.",
+            " {} more {sampled}pairs touch only between two frames: {} missed by the time step, \
+             not by a list.",
             number(*tunnelled as f64 / moved.steps() as f64),
             plural(*tunnelled as usize, "contact"),
         ),
     };
     said
+}
+
+/// States what was checked, if that was not everything. A sample of K particles shows an error of a
+/// share p of the particles with probability 1 - (1 - p)^K or more, above 95% if p is 3 / K.
+fn checked(followed: &Followed) -> Option<String> {
+    let Moved { particles, frames, .. } = followed.moved;
+    match followed.check {
+        Check::All => None,
+        Check::Sample(count) => Some(format!(
+            "Checked by sample: contacts of {count} random particles (seed {SEED}) of {particles}, \
+             in {}. An error that affects {} of the particles shows in such a sample with 95% \
+             probability; rarer errors may not show. --truth all checks all contacts.",
+            plural(frames as usize, "frame"),
+            percent(3.0 / count as f64),
+        )),
+        Check::None => Some(
+            "Not checked: the contacts were not compared with the truth, so they may be wrong. \
+             --truth sample or --truth all checks them."
+                .into(),
+        ),
+    }
 }
 
 /// Returns the detector of all trackers, if they share one.
@@ -75,11 +101,17 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     let moved = &followed.moved;
     let frames = plural(moved.frames as usize, "frame");
     let mut said = format!("{name}, {} particles, {of}, {frames}", moved.particles);
-    match motion(moved) {
+    match motion(moved, followed.check) {
         none if none.is_empty() => said += ".",
         motion => said += &format!(": {motion}"),
     }
     let mut blocks = vec![Block::paragraph(said)];
+    blocks.extend(checked(followed).map(Block::paragraph));
+    let (is_checked, sampled) = match followed.check {
+        Check::All => (true, ""),
+        Check::Sample(_) => (true, " of sampled particles"),
+        Check::None => (false, ""),
+    };
     if let Some(detector) = common(followed) {
         blocks.push(Block::paragraph(format!(
             "Detector: {detector}. The number after a rule is the skin, in diameters."
@@ -87,19 +119,19 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     }
     blocks.extend([
         Block::Table(table(followed)),
-        Block::paragraph(
+        Block::paragraph(format!(
             "ns: mean time per particle and frame; worst: slowest frame. built: frames in which \
-             the list was built. listed: pairs in the list for each contact. missed: contacts not \
-             reported, summed over the frames; since: first such frame; late: most frames until \
-             such a contact was reported; depth: its overlap then, in mean radii (r). Each tracker \
-             ran once, so the times are rough.",
-        ),
+             the list was built. listed: pairs in the list for each contact. missed: contacts\
+             {sampled} not reported, summed over the frames; since: first such frame; late: most \
+             frames until such a contact was reported; depth: its overlap then, in mean radii (r). \
+             Each tracker ran once, so the times are rough.",
+        )),
     ]);
-    for it in followed.trackers.iter().filter(|it| it.builds.dangerous > 0) {
+    for it in followed.trackers.iter().filter(|it| is_checked && it.builds.dangerous > 0) {
         let (dangerous, built) = (it.builds.dangerous, it.builds.built);
         blocks.push(Block::paragraph(format!(
-            "{}: dangerous builds: {dangerous} of {built}; builds after missed contacts: {} of \
-             these {dangerous}, {} of all {built}.",
+            "{}: dangerous builds: {dangerous} of {built}; builds after missed contacts{sampled}: \
+             {} of these {dangerous}, {} of all {built}.",
             it.spec, it.builds.rightly, it.builds.missing,
         )));
     }
@@ -110,8 +142,8 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     for it in followed.trackers.iter().filter(|it| it.is_wrong()) {
         blocks.push(Block::Warning(
             format!(
-                "{} missed {} contacts and reported {} pairs that do not touch. It promises \
-                 neither, so this is a defect.",
+                "{} missed {} contacts{sampled} and reported {} pairs that do not touch. It \
+                 promises neither, so this is a defect.",
                 it.spec, it.late.missed, it.spurious
             )
             .into(),
@@ -136,8 +168,8 @@ pub fn table(followed: &Followed) -> Table {
         .right("built", |it| it.builds.built)
         .right("listed", |it| (it.reported > 0).then(|| it.listed as f64 / it.reported as f64))
         .right("missed", |it| {
-            let missed = Cell::Count(it.late.missed);
-            if it.is_wrong() { missed.wrong() } else { missed }
+            let missed = (followed.check != Check::None).then(|| Cell::Count(it.late.missed));
+            missed.map(|missed| if it.is_wrong() { missed.wrong() } else { missed })
         })
         .right("since", |it| it.late.first.filter(|_| it.late.missed > 0).map(|it| it.to_string()))
         .right("late", |it| late(it).then(|| it.late.latest.to_string()))
@@ -147,6 +179,7 @@ pub fn table(followed: &Followed) -> Table {
 
 pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
     let particles = &followed.moved.particles;
+    let known = |count: u64| (followed.check != Check::None).then_some(count);
     let trackers = followed.trackers.iter().map(|it| {
         let late = &it.late;
         json!({
@@ -159,39 +192,46 @@ pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
             "building_ns": it.building.as_nanos() as u64,
             "built": it.builds.built,
             "dangerous": it.builds.dangerous,
-            "dangerous_rightly": it.builds.rightly,
-            "missing_builds": it.builds.missing,
+            "dangerous_rightly": known(it.builds.rightly),
+            "missing_builds": known(it.builds.missing),
             "listed": it.listed,
             "reported": it.reported,
-            "spurious": it.spurious,
-            "missed": late.missed,
-            "worst_missed": late.worst,
+            "spurious": known(it.spurious),
+            "missed": known(late.missed),
+            "worst_missed": known(late.worst),
             "first_missed_frame": late.first,
-            "frames_missed": late.frames,
-            "never_reported": late.never,
-            "latest": late.latest,
-            "deepest": late.deepest,
+            "frames_missed": known(late.frames),
+            "never_reported": known(late.never),
+            "latest": known(late.latest),
+            "deepest": known(1).map(|_| late.deepest),
             "formula_bytes": it.bytes,
             "refused": it.refused,
         })
     });
-    let mut all = moved_as_json(&followed.moved);
+    let mut all = moved_as_json(&followed.moved, followed.check);
+    let sampled = match followed.check {
+        Check::All => json!({ "checked": "all" }),
+        Check::Sample(count) => json!({ "checked": "sample", "particles": count, "seed": SEED }),
+        Check::None => json!({ "checked": "none" }),
+    };
+    all["truth"] = sampled;
     all["scene"] = json!(name);
     all["motion"] = json!(motion);
     all["trackers"] = trackers.collect();
     all
 }
 
-pub fn moved_as_json(moved: &Moved) -> Value {
+pub fn moved_as_json(moved: &Moved, check: Check) -> Value {
+    let known = |count: &u64| (check != Check::None).then_some(*count);
     let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, displacements } =
         moved;
     json!({
         "particles": particles,
         "frames": frames,
-        "contacts": contacts,
-        "born": born,
-        "ended": ended,
-        "tunnelled": tunnelled,
+        "contacts": known(contacts),
+        "born": known(born),
+        "ended": known(ended),
+        "tunnelled": known(tunnelled),
         "uncounted": uncounted,
         "mean_way": moved.mean_way(),
         "longest_way": displacements.longest,

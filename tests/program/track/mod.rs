@@ -3,7 +3,7 @@
 mod frames;
 mod moving;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::common::{PROGRAM, Place};
 
@@ -105,4 +105,30 @@ fn motion_and_rest_are_in_one_record() {
     let before = at.read("out/samples.jsonl");
     at.good("run mixed.toml --out out --resume");
     assert_eq!(before, at.read("out/samples.jsonl"));
+}
+
+/// A sample shows a part of the missed contacts. Without a check, none of them is stated.
+#[test]
+fn a_sample_or_nothing_is_checked_on_request() {
+    let at = Place::new();
+    let line = "track loose:dim=2,n=3000,fraction=0.5 --motion drift:speed=0.02 --frames 21 \
+                --tracker verlet(nbs,skin=0.05,rule=every-20)";
+    let [all, sample, none] =
+        ["all", "sample", "none"].map(|truth| at.json(&format!("{line} --truth {truth}")));
+    let missed = |of: &Value| number(&of["trackers"][0], "missed");
+    assert!(0 < missed(&sample) && missed(&sample) < missed(&all), "{sample}");
+    assert!(number(&sample, "contacts") < number(&all, "contacts"));
+    assert_eq!(sample["truth"], json!({ "checked": "sample", "particles": 1000, "seed": 1 }));
+    assert_eq!(all["truth"], json!({ "checked": "all" }));
+    for key in ["missed", "spurious", "never_reported"] {
+        assert!(none["trackers"][0][key].is_null() && none["contacts"].is_null(), "{none}");
+    }
+    assert_eq!(none["trackers"][0]["reported"], all["trackers"][0]["reported"]);
+    for (truth, words) in [
+        ("sample", "1000 random particles (seed 1) of 3000, in 21 frames"),
+        ("none", "Not checked:"),
+    ] {
+        let said = at.ends(0, &format!("{line} --truth {truth}"), &[words]).stdout;
+        assert_eq!(said.contains("not reported"), truth == "sample", "{said}");
+    }
 }

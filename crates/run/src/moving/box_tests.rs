@@ -5,6 +5,7 @@ use super::through::Through;
 use super::*;
 use contactbench_core::contact::image::{Shift, compare};
 use contactbench_core::contact::swept::touches_within;
+use contactbench_core::oracle::random;
 use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
 use contactbench_core::sink::splitmix64;
 use contactbench_core::track;
@@ -26,6 +27,10 @@ fn square(edge: f64) -> Lattice {
 }
 
 fn followed(frames: &[Given], trackers: &[&str]) -> Followed {
+    checked(frames, trackers, Check::All)
+}
+
+fn checked(frames: &[Given], trackers: &[&str], check: Check) -> Followed {
     let trackers: Vec<TrackerSpec> =
         trackers.iter().map(|text| track::parse(text).unwrap()).collect();
     let question = Question {
@@ -33,6 +38,7 @@ fn followed(frames: &[Given], trackers: &[&str]) -> Followed {
         arithmetic: Arithmetic::Exact,
         frames: u64::MAX,
         memory_limit: LIMIT,
+        check,
     };
     follow(|k| Ok(frames.get(k as usize).cloned()), &question).unwrap()
 }
@@ -75,6 +81,48 @@ fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
         }
     }
     assert!(missed > 500, "{missed}");
+}
+
+/// The errors of a sample are those of all particles that involve a sampled particle.
+#[test]
+fn a_sample_finds_what_its_particles_miss() {
+    let trackers = ["every-step(nbs)", "verlet(nbs,skin=0.02,rule=every-6)"];
+    for text in [
+        "loose:dim=2,n=600,fraction=0.5",
+        "loose:dim=3,n=500,fraction=0.4,size-ratio=3",
+        "loose:dim=2,n=400,fraction=0.5,periodic=true,tilt=0.4",
+        "loose:dim=3,n=500,fraction=0.4,periodic=yz",
+    ] {
+        let scene = Spec::parse(text).unwrap().given().unwrap();
+        let motion = Motion { kind: Kind::Drift, speed: 0.11, seed: 3 };
+        let mut frames = Frames::new(&scene, motion).unwrap();
+        let frames: Vec<Given> = (0..19).map(|k| frames.at(k).unwrap()).collect();
+        let n = scene.scene.len();
+        let all = followed(&frames, &trackers);
+        let told = |it: &Followed| {
+            let of = |it: &Tracked| (it.late.clone(), it.spurious, it.builds, it.reported);
+            (it.moved.clone(), it.trackers.iter().map(of).collect::<Vec<_>>())
+        };
+        let whole = checked(&frames, &trackers, Check::Sample(n));
+        assert_eq!((told(&whole), whole.check), (told(&all), Check::All), "{text}");
+        let some = checked(&frames, &trackers, Check::Sample(100));
+        assert_eq!(some.check, Check::Sample(100));
+        let missed = |it: &Followed| [0, 1].map(|k| it.trackers[k].late.missed);
+        let ([_, of_all], [by_safe, of_some]) = (missed(&all), missed(&some));
+        assert!(by_safe == 0 && of_some > 0 && of_some < of_all, "{text} {of_some} {of_all}");
+        assert!(some.moved.born > 0 && some.moved.tunnelled <= all.moved.tunnelled);
+        let chosen = random(n, 100, SEED);
+        let of_sample = |pair: &&ImagePair| chosen[pair.i as usize] || chosen[pair.j as usize];
+        let of_frame = |frame: &Given| {
+            let frame = frame.loaded(Arithmetic::Exact).unwrap();
+            let truth = truth::truth(&frame, Arithmetic::Exact, LIMIT).unwrap().pairs;
+            truth.iter().filter(of_sample).count() as u64
+        };
+        assert_eq!(some.moved.contacts, frames.iter().map(of_frame).sum::<u64>(), "{text}");
+        let none = checked(&frames, &trackers, Check::None);
+        assert_eq!((missed(&none), none.moved.contacts, none.check), ([0, 0], 0, Check::None));
+        assert_eq!(none.moved.displacements, all.moved.displacements);
+    }
 }
 
 /// In a shear, particles move with the box. So only the change of tilt makes a list invalid,
@@ -212,7 +260,7 @@ fn no_contact_between_two_frames_is_lost_in_boxes() {
         let (_, onward): (_, Onward) = names.next(&frame).unwrap();
         let through = Through::new(&last, &frame, &onward);
         let (displacements, _) = through.displacements();
-        let found = through.tunnelled(&displacements, LIMIT).unwrap();
+        let found = through.tunnelled(&displacements, None, LIMIT).unwrap();
         let (before, after) = (repeating(last.lattice()), repeating(frame.lattice()));
         let later = onward.vectors(frame.lattice());
         let place = |at: &[f64; 3], image: [i32; 3], vectors: &[[f64; 3]; 3]| {

@@ -1,4 +1,5 @@
 //! Compares trackers with the truth in every frame: their cost, and the contacts that they miss.
+//! The truth can be limited to the contacts of a random sample of the particles.
 
 #[cfg(test)]
 mod box_tests;
@@ -13,6 +14,7 @@ use std::time::{Duration, Instant};
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::{Options, Refusal};
+use contactbench_core::oracle::random;
 use contactbench_core::periodic::{Contacts, ImagePair};
 use contactbench_core::searcher::Loaded;
 use contactbench_core::track::{Tracker, TrackerSpec};
@@ -33,11 +35,27 @@ pub struct Question<'a> {
     /// Maximum number of frames, the first included.
     pub frames: u64,
     pub memory_limit: u64,
+    pub check: Check,
 }
+
+/// Which contacts are compared with the truth, in every frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Check {
+    All,
+    /// Contacts of this many random particles, the same in all frames.
+    Sample(usize),
+    None,
+}
+
+/// Seed of the sample.
+pub const SEED: u32 = 1;
 
 #[derive(Debug)]
 pub struct Followed {
+    /// Numbers of contacts are of the checked contacts alone.
     pub moved: Moved,
+    /// Checked contacts: all of them, too, if the sample would have included all particles.
+    pub check: Check,
     pub trackers: Vec<Tracked>,
 }
 
@@ -101,15 +119,33 @@ pub fn follow(
             contacts: Contacts::default(),
         })
         .collect();
-    let mut survey = Survey::default();
+    let (mut survey, mut check) = (Survey::default(), question.check);
+    let mut chosen: Option<Vec<bool>> = None;
     for k in 0..question.frames {
         let Some(given) = frame(k)? else { break };
         let frame = given.loaded(arithmetic)?;
-        let truth = truth::truth(&frame, arithmetic, memory_limit)?.pairs;
-        survey.take(&in_any_box(&given)?, &truth, memory_limit);
+        let n = frame.particles();
+        check = match check {
+            Check::Sample(count) if count >= n => Check::All,
+            check => check,
+        };
+        if chosen.as_ref().is_none_or(|chosen| chosen.len() != n) {
+            chosen = match check {
+                Check::All => None,
+                Check::Sample(count) => Some(random(n, count, SEED)),
+                Check::None => Some(vec![false; n]),
+            };
+        }
+        let chosen = chosen.as_deref();
+        let truth = match (check, chosen) {
+            (Check::None, _) => Vec::new(),
+            (_, Some(chosen)) => truth::touching(&frame, arithmetic, chosen, memory_limit)?,
+            _ => truth::truth(&frame, arithmetic, memory_limit)?.pairs,
+        };
+        survey.take(&in_any_box(&given)?, &truth, chosen, memory_limit);
         let going = followers.iter_mut().filter(|follower| follower.tracked.refused.is_none());
         going.for_each(|follower| {
-            if let Err(why) = follower.step(k, &frame, question, &survey.names, &truth) {
+            if let Err(why) = follower.step(k, &frame, question, &survey.names, (chosen, &truth)) {
                 follower.tracked.refused = Some(format!("frame {k}: {why}"));
             }
         });
@@ -118,7 +154,7 @@ pub fn follow(
         follower.tracked.late.end();
         follower.tracked
     });
-    Ok(Followed { moved: survey.moved, trackers: trackers.collect() })
+    Ok(Followed { moved: survey.moved, check, trackers: trackers.collect() })
 }
 
 impl Follower {
@@ -128,7 +164,7 @@ impl Follower {
         frame: &Loaded<'_>,
         question: &Question<'_>,
         names: &Names,
-        truth: &[ImagePair],
+        (chosen, truth): (Option<&[bool]>, &[ImagePair]),
     ) -> Result<(), Refusal> {
         let Follower { tracker, tracked, contacts } = self;
         contacts.clear();
@@ -140,7 +176,14 @@ impl Follower {
         tracked.listed = tracked.listed.saturating_add(step.listed);
         tracked.reported += contacts.len();
         tracked.bytes = tracked.bytes.max(tracker.formula_bytes());
-        let found = contacts.sorted(frame.particles(), question.memory_limit)?;
+        if question.check == Check::None {
+            return Ok(());
+        }
+        let is_chosen = |k: u32| chosen.is_none_or(|chosen| chosen[k as usize]);
+        let filtered =
+            chosen.map(|_| contacts.filtered(|pair| is_chosen(pair.i) || is_chosen(pair.j)));
+        let checked = filtered.as_ref().unwrap_or(contacts);
+        let found = checked.sorted(frame.particles(), question.memory_limit)?;
         let depth = |pair| truth::depth(frame, pair);
         tracked.spurious += tracked.late.take(k, names, depth, &found, truth);
         Ok(())

@@ -27,7 +27,7 @@ pub(crate) struct Onward {
 #[derive(Default)]
 pub struct Names {
     last: Option<Periodic<'static>>,
-    /// W of each particle, in terms of the first frame's vectors.
+    /// W of each particle, in terms of the first frame's vectors; empty in open space.
     brought: Vec<[i32; 3]>,
     /// The matrix C; `back` is its inverse.
     turned: Numbers,
@@ -52,7 +52,8 @@ impl Names {
                 }
             }
             None => {
-                self.brought = vec![[0; 3]; frame.scene().len()];
+                let moved = if frame.lattice().repeats() { frame.scene().len() } else { 0 };
+                self.brought = vec![[0; 3]; moved];
                 (self.turned, self.back) = (SAME, SAME);
             }
         }

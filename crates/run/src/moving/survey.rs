@@ -12,8 +12,14 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Adds a frame, with its contacts in ascending order.
-    pub fn take(&mut self, frame: &Periodic<'static>, contacts: &[ImagePair], memory_limit: u64) {
+    /// Adds a frame, with its contacts in ascending order: all, or those of the chosen particles.
+    pub fn take(
+        &mut self,
+        frame: &Periodic<'static>,
+        contacts: &[ImagePair],
+        chosen: Option<&[bool]>,
+        memory_limit: u64,
+    ) {
         let step = self.names.next(frame);
         let mut named: Vec<_> = contacts.iter().map(|&pair| self.names.name(pair)).collect();
         named.sort_unstable();
@@ -35,8 +41,9 @@ impl Survey {
             moved.displacements.sum += displacements.iter().sum::<f64>() / diameter;
             moved.displacements.longest = moved.displacements.longest.max(longest / diameter);
         }
-        if at_rest < displacements.len() || through.changes() {
-            match through.tunnelled(&displacements, memory_limit) {
+        let some = chosen.is_none_or(|chosen| chosen.contains(&true));
+        if some && (at_rest < displacements.len() || through.changes()) {
+            match through.tunnelled(&displacements, chosen, memory_limit) {
                 Ok(tunnelled) => moved.tunnelled += tunnelled,
                 Err(why) => {
                     moved.uncounted.get_or_insert(why);
@@ -70,7 +77,7 @@ mod tests {
             let centres = places.map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
             let scene: AnyScene<'_> = Scene::new(centres, Radii::Uniform(1.0)).unwrap().into();
             let contacts: Vec<ImagePair> = without_shift(pairs).collect();
-            survey.take(&in_open_space(&scene).unwrap(), &contacts, 1 << 20);
+            survey.take(&in_open_space(&scene).unwrap(), &contacts, None, 1 << 20);
             survey.moved.clone()
         };
         let moved = take([0.0, 2.0, 5.0, 20.0], &[[0, 1]]);

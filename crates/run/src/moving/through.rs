@@ -17,10 +17,11 @@ use contactbench_core::contact::exact::label;
 use contactbench_core::contact::image::{Shift, compare};
 use contactbench_core::contact::swept::touches_within;
 use contactbench_core::detect::{Options, table};
+use contactbench_core::oracle::NoTruth;
 use contactbench_core::periodic::{self, ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Radii, Real, Scene};
 use contactbench_core::track::distance_bound;
-use contactbench_scenes::touching::particle;
+use contactbench_core::with_scene;
 
 /// Relative rounding error of sums of about a dozen terms.
 const ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
@@ -57,14 +58,21 @@ impl<'a> Through<'a> {
     }
 
     /// Returns the number of contacts that exist only between the frames, or why it is unknown.
-    pub fn tunnelled(&self, displacements: &[f64], memory_limit: u64) -> Result<u64, String> {
+    /// Counts contacts of the chosen particles alone, if given.
+    pub fn tunnelled(
+        &self,
+        displacements: &[f64],
+        chosen: Option<&[bool]>,
+        memory_limit: u64,
+    ) -> Result<u64, String> {
         let (before, after) = (repeating(self.last.lattice()), repeating(self.frame.lattice()));
         let onward = self.onward.vectors(self.frame.lattice());
         let more = self.more(displacements, &before, &onward)?;
-        let near = self.near(displacements, more, memory_limit)?;
+        let near = self.near(displacements, more, chosen, memory_limit)?;
+        let radius = |k| with_scene!(self.last.scene(), scene => scene.radius(k).wide());
         let is_tunnelled = |pair: &ImagePair| {
             let (i, j) = (pair.i as usize, pair.j as usize);
-            let [ri, rj] = [pair.i, pair.j].map(|k| particle(self.last.scene(), k).1);
+            let [ri, rj] = [radius(i), radius(j)];
             let from = [self.from[i], moved(&self.from[j], pair.image, &before)];
             let to = [self.to[i], moved(&self.to[j], pair.image, &onward)];
             let apart = |at: &[[f64; 3]], image, vectors| {
@@ -72,10 +80,10 @@ impl<'a> Through<'a> {
             };
             // The pair must not touch in the rounded positions either; otherwise nearly touching
             // pairs at rest would count.
-            let [from_apart, to_apart] = [&from, &to].map(|[a, b]| !label(a, b, ri, rj).touches());
-            touches_within([&from[0], &to[0]], [&from[1], &to[1]], ri, rj)
-                && from_apart
-                && to_apart
+            let is_apart = |[a, b]: &[[f64; 3]; 2]| !label(a, b, ri, rj).touches();
+            is_apart(&from)
+                && is_apart(&to)
+                && touches_within([&from[0], &to[0]], [&from[1], &to[1]], ri, rj)
                 && apart(&self.from, pair.image, &before)
                 && apart(&self.given, self.onward.called(*pair), &after)
         };
@@ -118,6 +126,7 @@ impl<'a> Through<'a> {
         &self,
         displacements: &[f64],
         more: f64,
+        chosen: Option<&[bool]>,
         memory_limit: u64,
     ) -> Result<Vec<ImagePair>, String> {
         let wider =
@@ -129,8 +138,13 @@ impl<'a> Through<'a> {
         let wider =
             Periodic::new(wider, *self.last.lattice()).map_err(|error| error.to_string())?;
         let options = Options { memory_limit, threads: 1 };
-        periodic::contacts(&wider, &mut *table::fast(options), Arithmetic::Exact, memory_limit)
-            .map_err(|refusal| format!("particles widened by their displacements: {refusal}"))
+        let exact = Arithmetic::Exact;
+        let near = match chosen {
+            Some(chosen) => periodic::touching(&wider, exact, chosen, memory_limit),
+            None => periodic::contacts(&wider, &mut *table::fast(options), exact, memory_limit)
+                .map_err(NoTruth::from),
+        };
+        near.map_err(|why| format!("particles widened by their displacements: {why}"))
     }
 }
 
