@@ -3,14 +3,22 @@
 //! A fixed loop is timed beside each sample ([`Row::pulse_ns`]). Its quiet time on a processor is
 //! the first decile of these times. If the loop takes [`SLOW`] times as long, the machine was slow.
 //! Such samples stay in the medians; medians of the quiet samples are reported beside them.
+//!
+//! The loop may be slow when samples are not. If slow samples typically take less than [`SLOWER`]
+//! times as long as the quiet samples of the same cell, the speed of the machine counts as not
+//! measured.
 
 use std::collections::BTreeMap;
 
 use crate::record::row::{Pass, Row};
+use crate::stats::interval::median;
 
 /// Multiple of the quiet time at which the machine counts as slow. On an idle machine, a loop of
 /// one millisecond varies by a tenth.
 pub const SLOW: f64 = 1.25;
+
+/// Smallest ratio of slow to quiet times, in the median over the cells that have both.
+pub const SLOWER: f64 = 1.05;
 
 type Where<'a> = (Option<&'a str>, Option<u32>);
 
@@ -29,7 +37,22 @@ impl<'a> States<'a> {
             pulses.sort_unstable();
             pulses.get(pulses.len() / 10).map_or(0.0, |&quiet| SLOW * quiet as f64)
         };
-        States { limits: pulses.into_iter().map(|(name, all)| (name, limit(all))).collect() }
+        let limits = pulses.into_iter().map(|(name, all)| (name, limit(all))).collect();
+        let states = States { limits };
+        let ratio = states.slow_to_quiet(rows);
+        if ratio.is_some_and(|ratio| ratio >= SLOWER) { states } else { States::default() }
+    }
+
+    /// Returns the ratio of slow to quiet times, in the median over the cells that have both.
+    fn slow_to_quiet(&self, rows: &[Row]) -> Option<f64> {
+        let mut cells: BTreeMap<_, [Vec<f64>; 2]> = BTreeMap::new();
+        for row in rows {
+            if let (Some(slow), Some(time)) = (self.is_slow(row), row.time_ns) {
+                cells.entry(&row.id).or_default()[usize::from(slow)].push(time as f64);
+            }
+        }
+        let ratio = |[quiet, slow]: &[Vec<f64>; 2]| Some(median(slow)? / median(quiet)?);
+        median(&cells.values().filter_map(ratio).collect::<Vec<_>>())
     }
 
     /// Whether the machine was slow during this row; `None` if its speed was not measured.
@@ -52,8 +75,9 @@ mod tests {
 
     #[test]
     fn each_machine_has_its_own_quiet() {
-        let row = |name: &str, pulse_ns| {
-            let mut row = Row { pass: Pass::Time, pulse_ns, ..Row::default() };
+        let row = |name: &str, pulse_ns: Option<u64>| {
+            let time_ns = pulse_ns.map(|pulse| if pulse % 1000 > 250 { 105 } else { 100 });
+            let mut row = Row { pass: Pass::Time, time_ns, pulse_ns, ..Row::default() };
             row.id.machine = Some(name.into());
             row.processor = Some(1);
             row
@@ -69,5 +93,8 @@ mod tests {
         assert_eq!(States::new(&[]).is_slow(&rows[0]), None);
         let elsewhere = Row { processor: Some(2), ..rows[0].clone() };
         assert_eq!(states.is_slow(&elsewhere), None, "another processor");
+        // Slow samples of the same cell take no longer.
+        rows[41].time_ns = Some(104);
+        assert_eq!(States::new(&rows).is_slow(&rows[41]), None);
     }
 }

@@ -96,12 +96,6 @@ impl Lab {
         }
         self
     }
-    pub fn pulses(&mut self, pulses: &[u64]) -> &mut Lab {
-        let first = self.rows.len() - pulses.len();
-        let rows = self.rows[first..].iter_mut();
-        rows.zip(pulses).for_each(|(row, &pulse)| row.pulse_ns = Some(pulse));
-        self
-    }
     pub fn copies(&mut self, alone: &[u64], together: &[u64]) -> &mut Lab {
         for (block, (&alone, &time)) in alone.iter().zip(together).enumerate() {
             self.push(Pass::Ceiling, |row| {

@@ -34,8 +34,6 @@ pub struct Twin {
     pub cells: usize,
     /// The twin's time over the original's: the median over all cells in each block.
     pub overall: Interval,
-    /// Like `overall`, for blocks in which the machine was quiet for both, and slow for both.
-    pub states: [Option<Interval>; 2],
     /// Median over the cells of the relative difference; 0.01 means 1%.
     pub typical: f64,
     pub worst: Interval,
@@ -67,8 +65,7 @@ impl Noise {
             }
             let times: Vec<(&Blocks, &Blocks)> =
                 pairs.iter().map(|(a, b)| (&a.times, &b.times)).collect();
-            let states = [false, true].map(|slow| in_state(&pairs, slow));
-            twins.extend(Twin::new(name, original, &ratios, typical_ratio(&times), states));
+            twins.extend(Twin::new(name, original, &ratios, typical_ratio(&times)));
         }
         let floor = nine_in_ten(&apart.values().flatten().copied().collect::<Vec<_>>());
         let floor_of = |logs: &Vec<f64>| {
@@ -119,7 +116,6 @@ impl Twin {
         original: &str,
         ratios: &[Interval],
         overall: Option<Interval>,
-        states: [Option<Interval>; 2],
     ) -> Option<Twin> {
         let worst = ratios.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let chance: f64 = ratios.iter().map(|ratio| 1.0 - ratio.coverage).sum();
@@ -128,23 +124,12 @@ impl Twin {
             original: original.into(),
             cells: ratios.len(),
             overall: overall?,
-            states,
             typical: median(&ratios.iter().map(distance).collect::<Vec<_>>())?.exp_m1(),
             worst: *worst,
             outside: ratios.iter().filter(|ratio| ratio.excludes(1.0)).count(),
             by_chance: chance / ratios.len() as f64,
         })
     }
-}
-
-fn in_state(pairs: &[(&Cell, &Cell)], slow: bool) -> Option<Interval> {
-    let of = |cell: &Cell, other: &Cell| -> Blocks {
-        let both = |block| [cell, other].iter().all(|cell| cell.slow.get(block) == Some(&slow));
-        cell.times.iter().filter(|&(block, _)| both(block)).map(|(&k, &time)| (k, time)).collect()
-    };
-    let times: Vec<(Blocks, Blocks)> = pairs.iter().map(|(a, b)| (of(a, b), of(b, a))).collect();
-    let times = times.iter().filter(|(a, _)| !a.is_empty());
-    typical_ratio(&times.map(|(a, b)| (a, b)).collect::<Vec<_>>())
 }
 
 fn distance(ratio: &Interval) -> f64 {
@@ -195,18 +180,5 @@ mod tests {
         }
         let few = Interval { coverage: 0.75, count: 3, ..one.scaled(1.5) };
         assert!(!found.decides(&few, 3), "three blocks decide nothing");
-    }
-
-    #[test]
-    fn twins_are_compared_in_both_states() {
-        let mut lab = Lab::new("e", "packed");
-        let pulses = [100, 100, 100, 100, 100, 150, 150, 150, 150, 150];
-        lab.detector("nbs").time(&[[1000; 5], [2000; 5]].concat()).pulses(&pulses);
-        lab.detector("nbs-twin").time(&[[1010; 5], [2400; 5]].concat()).pulses(&pulses);
-        // A block that is slow for one and quiet for the other counts in neither state.
-        lab.edit(|row| row.pulse_ns = Some(100));
-        let [quiet, slow] = lab.find(Noise::new).twins[0].states.map(Option::unwrap);
-        assert!((quiet.median - 1.01).abs() < 1e-9 && quiet.count == 5, "{quiet:?}");
-        assert!((slow.median - 1.2).abs() < 1e-9 && slow.count == 4, "{slow:?}");
     }
 }

@@ -30,7 +30,7 @@ fn floor(found: &Noise) -> String {
 }
 
 fn sentence(twin: &Twin) -> String {
-    let said = format!(
+    format!(
         "{} is the code of {}, measured again as a second subject. Over {} it takes {} times as \
          long. In a cell the two typically differ by {}, at worst by a factor of {}. {} of {} \
          intervals exclude 1; by chance {} of them would.",
@@ -43,15 +43,5 @@ fn sentence(twin: &Twin) -> String {
         twin.outside,
         twin.cells,
         percent(twin.by_chance),
-    );
-    // The times by state are absent if the machine was only quiet or only slow.
-    match &twin.states {
-        [Some(quiet), Some(slow)] => format!(
-            "{said} While the machine was quiet, the twin takes {} times as long; while it was \
-             slow, {}.",
-            with_interval(quiet),
-            with_interval(slow)
-        ),
-        _ => said,
-    }
+    )
 }
