@@ -30,10 +30,10 @@
 //! fill space too if each vector has a positive component along its own axis, none along later
 //! axes, and along earlier axes at most those vectors' own. Let ga be the axis a over that edge,
 //! and hba = ga·Hb, at most 1 in magnitude. Then (1) holds for Ta plus the sum of Tb hba over b >
-//! a, in place of Ta, with rab without hba. So Tz, Ty and Tx have bounds in this order, c + o, 2(c
-//! + o) and 4(c + o), where o is the largest |T| times the largest off(a). As off(a) is below 1/64,
-//! |T| is below 8c. Roundings of hba, its products and their sums are at most 5u |Tb hba|; off(a)
-//! includes 16u |hba|.
+//! a, in place of Ta, with rab without hba. So |Tz| is at most c + o, |Ty| at most 2(c + o) and
+//! |Tx| at most 4(c + o), where o is the largest |T| times the largest off(a). As off(a) is below
+//! 1/64, |T| is below 8c. Roundings of hba, its products and their sums are at most 5u |Tb hba|;
+//! off(a) includes 16u |hba|.
 //!
 //! **Positions.** x + S·H is computed with the errors of all products (by a fused multiplication)
 //! and of all sums (by two-sum) added up beside it. Each of these errors is exact except for

@@ -55,6 +55,6 @@ pub fn company(
 /// Calls `then` with an array on the stack. As a separate function, because the stack of a large
 /// array takes longer to prepare than a few hundred particles to detect.
 #[inline(never)]
-fn in_room<const ROOM: usize>(count: usize, then: &mut dyn FnMut(&mut [(usize, u64)])) {
+fn in_room<const ROOM: usize>(count: usize, mut then: impl FnMut(&mut [(usize, u64)])) {
     then(&mut [(0, 0); ROOM][..count]);
 }

@@ -174,12 +174,11 @@ fn copy<const D: usize, const EACH: bool>(
 ) {
     for k in (0..many).step_by(LANES) {
         let (begin, at) = (begin + k, at + k);
-        for axis in 0..D {
+        for ((from, to), shift) in from.lanes.iter().zip(&mut to.lanes).zip(shift) {
             // SAFETY: `begin` is in a range, so that a vector can be loaded.
-            let lane: &[f32; LANES] = unsafe { chunk(&from.lanes[axis], begin) };
+            let lane: &[f32; LANES] = unsafe { chunk(from, begin) };
             // SAFETY: `at` is below `TOGETHER`, and the arrays are a vector longer.
-            let copied: &mut [f32; LANES] = unsafe { chunk_mut(&mut to.lanes[axis], at) };
-            *copied = fill(|k| lane[k] + shift[axis]);
+            *unsafe { chunk_mut(to, at) } = fill::<_, LANES>(|k| lane[k] + shift);
         }
         // SAFETY: as for the coordinates.
         unsafe {
