@@ -17,7 +17,7 @@ use crate::make;
 
 const NAME: &str = "streamed-nbs";
 
-const SCENES: [&str; 12] = [
+const SCENES: [&str; 15] = [
     "packed:n=3000",
     "packed:dim=3,n=3000",
     "packed:dim=3,n=3000,size-ratio=5",
@@ -30,6 +30,9 @@ const SCENES: [&str; 12] = [
     "clustered:n=3000",
     "clustered:dim=3,n=3000,fraction=0.0001",
     "pack-c:n=2500,s=200",
+    "loose:n=3000,neighbours=100",
+    "loose:dim=3,n=3000,neighbours=80",
+    "loose:dim=3,n=3000,neighbours=400,size-ratio=1.2",
 ];
 
 fn of<const D: usize>(centres: impl IntoIterator<Item = [f64; D]>) -> Scene<'static, f64, D> {
@@ -114,7 +117,7 @@ fn heaps_of_any_height_and_rooms_that_are_filled() {
         compare(&format!("a heap of {n}"), &Stored::F64(of((0..n).map(at))), Test::Exact);
     }
     let corners = [[0.0, 0.0, 0.0], [0.9, 0.9, 0.0], [0.9, 0.0, 0.9], [0.0, 0.9, 0.9]];
-    let numbers = [60, 159, 160, 161, 162, 176, 177, 700, 2800];
+    let numbers = [60, 80, 81, 700, 1024, 1025, 1026, 2800];
     for (n, used) in numbers.into_iter().flat_map(|n| [(n, 3), (n, 4)]) {
         let scene = of((0..n).map(|k| corners[k % used]));
         compare(&format!("{n} at {used} corners"), &Stored::F64(scene), Test::Exact);

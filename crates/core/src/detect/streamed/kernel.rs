@@ -108,8 +108,8 @@ impl Default for Scratch {
 }
 
 impl Scratch {
-    /// Stores the pairs of `id` with those of sixteen candidates that certainly touch; `found` is the
-    /// number of stored pairs. Passes pairs that the contact test must decide to `sink`.
+    /// Stores the pairs of `id` with those of sixteen candidates that certainly touch; `found` is
+    /// the number of stored pairs. Passes pairs that the contact test must decide to `sink`.
     #[inline(always)]
     pub fn take<W: Wide, const D: usize>(
         &mut self,

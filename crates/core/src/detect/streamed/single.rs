@@ -9,8 +9,8 @@ use super::unchecked::{element, load};
 use crate::wide::{LANES, Register, fill};
 
 impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
-    /// Sweeps all particles. [`Together`] handles particles with a long range, and a particle with a
-    /// pair that only the contact test can decide.
+    /// Sweeps all particles. [`Together`] handles particles with a long range, and a particle with
+    /// a pair that only the contact test can decide.
     #[inline(always)]
     pub(super) fn by_range<R: Register>(mut self, r: R) {
         let (used, grow) = (ranges_used::<F, D>(), self.bounds.grow);
