@@ -187,6 +187,11 @@ impl List {
         self.found == (self.pairs.len() - self.before) as u64
     }
 
+    /// Returns the contacts that were not in the list at the start.
+    pub(super) fn added(&mut self) -> &mut [ImagePair] {
+        &mut self.pairs[self.before..]
+    }
+
     /// Appends a contact, or only counts it if the list is full.
     #[inline]
     pub fn push(&mut self, pair: ImagePair) {

@@ -13,7 +13,7 @@ use crate::probe::{Op, Probe, Silent, Tally};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene};
 use crate::sink::Sink;
-use crate::wide::{Kernel, LANES, Level, Wide, fill};
+use crate::wide::{Kernel, Level, Wide};
 
 /// Finds contacts in periodic boxes with any detector, and keeps its buffers between calls.
 pub struct Finder {
@@ -136,9 +136,7 @@ impl Search<'_> {
         let allowance = Allowance::new(limit);
         let plain = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
         let shifted = List::behind(std::mem::take(&mut contacts.shifted), limit);
-        let level = Level::best();
-        let waiting = Pairs { pairs: [[0; 2]; WAITING + 1], len: 0 };
-        let mut sorted = Sorted { made: &made, level, plain, shifted, waiting };
+        let mut sorted = Sorted { made: &made, level: Level::best(), plain, shifted };
         let (owners, spared) = (made.particles(), crowded::spares_images(&made));
         let result = match tally {
             None if spared => crowded::search(&searched, owners, &mut Silent, &mut sorted),
@@ -168,35 +166,14 @@ struct Sorted<'a, const D: usize> {
     made: &'a Made<'a, D>,
     level: Level,
     plain: PairList<'a>,
+    /// Contacts with a shift. If no particle was moved, it holds the numbers of a particle and an
+    /// image until the detection ends. The images are then looked up in order, because a lookup
+    /// during detection misses the cache.
     shifted: List,
-    /// Pairs with an image, or of particles that were moved differently. They are looked up
-    /// together, because single lookups during the detection wait for memory.
-    waiting: Pairs<{ WAITING + 1 }>,
 }
 
-struct Pairs<const N: usize> {
-    pairs: [[u32; 2]; N],
-    len: usize,
-}
-
-impl<const N: usize> Pairs<N> {
-    /// Adds a pair if `flag` is set, without a branch, because flags are unpredictable.
-    #[inline(always)]
-    fn add(&mut self, pair: [u32; 2], flag: bool) {
-        self.pairs[self.len] = pair;
-        self.len += usize::from(flag);
-    }
-
-    #[inline(always)]
-    fn add_all(&mut self, pairs: &[[u32; 2]; LANES]) {
-        self.pairs[self.len..][..LANES].copy_from_slice(pairs);
-        self.len += LANES;
-    }
-}
-
-/// Number of pairs that are copied together if none of them must be looked up.
-const TOGETHER: usize = 4 * LANES;
-const WAITING: usize = 16 * LANES;
+/// Number of pairs that are examined together, and copied together if none has an image.
+const TOGETHER: usize = 8;
 
 impl<const D: usize> Sink for Sorted<'_, D> {
     fn contact(&mut self, a: u32, b: u32) {
@@ -204,7 +181,7 @@ impl<const D: usize> Sink for Sorted<'_, D> {
         if made.are_as_given() && a.max(b) < n || made.are_together(a, b) {
             return self.plain.contact(a, b);
         }
-        self.look_up([a, b]);
+        self.other(a, b);
     }
 
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
@@ -221,64 +198,64 @@ impl<const D: usize> Kernel for Sort<'_, '_, '_, D> {
         let Sort(sorted, pairs) = self;
         let (n, made) = (sorted.made.particles(), sorted.made);
         if made.are_as_given() {
-            sorted.sort(pairs, |[a, b]| (a < n) & (b < n));
+            let plain = |pairs: &[[u32; 2]]| {
+                !pairs.as_flattened().iter().fold(false, |image, &body| image | (body >= n))
+            };
+            sorted.sort(pairs, plain);
         } else {
-            sorted.sort(pairs, |[a, b]| made.are_together(a, b));
+            sorted.sort(pairs, |pairs| {
+                pairs.iter().fold(true, |plain, &[a, b]| plain & made.are_together(a, b))
+            });
         }
     }
 }
 
 impl<'a, const D: usize> Sorted<'a, D> {
-    /// Copies pairs that are `plain` (two particles moved alike), keeps pairs that must be looked
-    /// up, and drops pairs of two images. Most groups hold pairs of one kind.
+    /// Copies runs of pairs that are `plain`, those of two particles, and separates other groups.
     #[inline(always)]
-    fn sort(&mut self, pairs: &[[u32; 2]], plain: impl Fn([u32; 2]) -> bool) {
+    fn sort(&mut self, pairs: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
+        let (together, rest) = pairs.as_chunks::<TOGETHER>();
+        // Start of the present run: all pairs from here on are pairs of two particles.
+        let mut from = 0;
+        for (k, some) in together.iter().enumerate() {
+            if !plain(some) {
+                self.plain.contacts(&pairs[from..k * TOGETHER]);
+                self.part(some, &plain);
+                from = (k + 1) * TOGETHER;
+            }
+        }
+        if plain(rest) {
+            return self.plain.contacts(&pairs[from..]);
+        }
+        self.plain.contacts(&pairs[from..pairs.len() - rest.len()]);
+        self.part(rest, &plain);
+    }
+
+    /// Separates the pairs of a group by `plain`, without branches, because which pairs involve an
+    /// image is unpredictable.
+    #[inline(always)]
+    fn part(&mut self, some: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
         let n = self.made.particles();
-        for some in pairs.chunks(TOGETHER) {
-            if some.iter().fold(true, |all, &pair| all & plain(pair)) {
-                self.plain.contacts(some);
-                continue;
-            }
-            if self.waiting.len > WAITING - TOGETHER {
-                self.settle();
-            }
-            let mut kept = Pairs { pairs: [[0; 2]; TOGETHER + 1], len: 0 };
-            let (groups, rest) = some.as_chunks::<LANES>();
-            // No body has this number, so it is dropped like an image.
-            let mut last = [[u32::MAX; 2]; LANES];
-            last[..rest.len()].copy_from_slice(rest);
-            for group in groups.iter().chain([&last]) {
-                let plains: [bool; LANES] = fill(|k| plain(group[k]));
-                let others: [bool; LANES] = fill(|k| {
-                    let [a, b] = group[k];
-                    !plains[k] & ((a < n) | (b < n))
-                });
-                let count =
-                    |flags: &[bool; LANES]| flags.iter().fold(0, |n, &flag| n + u8::from(flag));
-                match (usize::from(count(&plains)), usize::from(count(&others))) {
-                    (0, 0) => {}
-                    (LANES, _) => kept.add_all(group),
-                    (_, LANES) => self.waiting.add_all(group),
-                    _ => {
-                        for k in 0..LANES {
-                            kept.add(group[k], plains[k]);
-                            self.waiting.add(group[k], others[k]);
-                        }
-                    }
-                }
-            }
-            self.plain.contacts(&kept.pairs[..kept.len]);
+        let (mut kept, mut others) = ([[0; 2]; TOGETHER], [[0; 2]; TOGETHER]);
+        let [mut keep, mut other] = [0; 2];
+        for pair in some.iter().take(TOGETHER) {
+            let plain = plain(std::slice::from_ref(pair));
+            (kept[keep], others[other]) = (*pair, *pair);
+            keep += usize::from(plain);
+            // Pairs of two images are dropped.
+            other += usize::from(!plain & ((pair[0] < n) | (pair[1] < n)));
         }
+        self.plain.contacts(&kept[..keep]);
+        others[..other].iter().for_each(|&[a, b]| self.other(a, b));
     }
 
-    #[inline(never)]
-    fn settle(&mut self) {
-        for k in 0..std::mem::take(&mut self.waiting.len) {
-            self.look_up(self.waiting.pairs[k]);
+    fn other(&mut self, a: u32, b: u32) {
+        if self.made.are_as_given() {
+            if a.min(b) < self.made.particles() {
+                self.shifted.push(ImagePair { i: a.min(b), j: a.max(b), image: [0; 3] });
+            }
+            return;
         }
-    }
-
-    fn look_up(&mut self, [a, b]: [u32; 2]) {
         match self.made.pair(a, b) {
             Some(ImagePair { i, j, image: [0, 0, 0] }) => self.plain.contact(i, j),
             Some(pair) => self.shifted.push(pair),
@@ -287,7 +264,11 @@ impl<'a, const D: usize> Sorted<'a, D> {
     }
 
     fn end(mut self) -> (PairList<'a>, List) {
-        self.settle();
+        if self.made.are_as_given() {
+            for pair in self.shifted.added() {
+                *pair = self.made.through(pair.i, pair.j);
+            }
+        }
         (self.plain, self.shifted)
     }
 }

@@ -65,6 +65,13 @@ impl<'a, const D: usize> Made<'a, D> {
         (tag(a) == tag(b)) & (tag(a) != FAR)
     }
 
+    /// Returns the contact of a particle and an image, in any order, if no particle was moved.
+    #[inline]
+    pub fn through(&self, a: u32, b: u32) -> ImagePair {
+        let Body { owner, image } = self.images[(a.max(b) - self.particles()) as usize];
+        ImagePair::new(a.min(b), owner, image)
+    }
+
     /// Returns the contact that a pair of particles or images represents, or `None` for two images.
     #[inline]
     pub fn pair(&self, a: u32, b: u32) -> Option<ImagePair> {
