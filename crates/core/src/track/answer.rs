@@ -40,31 +40,17 @@ impl<F: FnMut(u32, u32) -> bool> Answer for Open<'_, '_, F> {
 }
 
 pub(super) struct Boxed<'a, 'p, const D: usize> {
-    scene: &'a Scene<'a, f64, D>,
-    test: Test,
-    spots: &'a [Spot],
-    around: &'a Around<D>,
-    plain: &'a mut PairList<'p>,
-    shifted: &'a mut List,
-    exact: u64,
+    pub scene: &'a Scene<'a, f64, D>,
+    pub test: Test,
+    pub spots: &'a [Spot],
+    pub around: &'a Around<D>,
+    pub plain: &'a mut PairList<'p>,
+    pub shifted: &'a mut List,
+    /// Number of pairs that exact arithmetic decided.
+    pub exact: u64,
 }
 
-impl<'a, 'p, const D: usize> Boxed<'a, 'p, D> {
-    pub fn new(
-        scene: &'a Scene<'a, f64, D>,
-        test: Test,
-        spots: &'a [Spot],
-        around: &'a Around<D>,
-        plain: &'a mut PairList<'p>,
-        shifted: &'a mut List,
-    ) -> Boxed<'a, 'p, D> {
-        Boxed { scene, test, spots, around, plain, shifted, exact: 0 }
-    }
-
-    pub fn exact(&self) -> u64 {
-        self.exact
-    }
-
+impl<const D: usize> Boxed<'_, '_, D> {
     /// Tests a pair of a particle and an image, and keeps the pair if it touches.
     pub fn decide_image(&mut self, ImagePair { i: a, j: b, image }: ImagePair) {
         let image = self.around.image(a, b, image);

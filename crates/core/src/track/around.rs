@@ -20,6 +20,7 @@ use crate::scene::lattice::Numbers;
 use crate::scene::{Lattice, Scene, array};
 use crate::wide::fill;
 
+#[derive(Default)]
 pub(super) struct Around<const D: usize> {
     /// The box when the list was built, or `None` in open space.
     then: Option<Lattice>,
@@ -38,21 +39,6 @@ pub(super) struct Around<const D: usize> {
     off: f64,
 }
 
-impl<const D: usize> Default for Around<D> {
-    fn default() -> Around<D> {
-        Around {
-            then: None,
-            far: 0.0,
-            now: Vectors::NONE,
-            strain: None,
-            through: Vec::new(),
-            brought: Vec::new(),
-            marks: Vec::new(),
-            off: 0.0,
-        }
-    }
-}
-
 #[derive(Clone, Copy, Debug)]
 struct Vectors<const D: usize> {
     /// Vectors of the box; zeros along open axes.
@@ -66,16 +52,16 @@ struct Vectors<const D: usize> {
     far: f64,
 }
 
-impl<const D: usize> Vectors<D> {
-    const NONE: Vectors<D> = Vectors {
-        vectors: [[0.0; D]; 3],
-        duals: [[0.0; D]; 3],
-        numbers: [[0; 3]; 3],
-        far: f64::INFINITY,
-    };
+impl<const D: usize> Default for Vectors<D> {
+    fn default() -> Vectors<D> {
+        let none = [[0.0; D]; 3];
+        Vectors { vectors: none, duals: none, numbers: [[0; 3]; 3], far: f64::INFINITY }
+    }
+}
 
+impl<const D: usize> Vectors<D> {
     fn new(lattice: &Lattice) -> Vectors<D> {
-        let mut all = Vectors::NONE;
+        let mut all = Vectors::default();
         // A reduced lattice has the same duals and heights however tilted the given box is.
         let (short, numbers) = lattice.reduced();
         all.numbers = numbers;

@@ -236,10 +236,11 @@ impl<const D: usize> Kept<D> {
         plain: &mut PairList<'_>,
         shifted: &mut List,
     ) -> u64 {
-        let mut boxed = Boxed::new(scene, test, &self.spots, &self.around, plain, shifted);
+        let (spots, around) = (&self.spots, &self.around);
+        let mut boxed = Boxed { scene, test, spots, around, plain, shifted, exact: 0 };
         self.pass_to(self.around.slack(), &mut boxed);
         self.around.through.iter().for_each(|&triple| boxed.decide_image(triple));
-        boxed.exact()
+        boxed.exact
     }
 
     fn pass_to(&self, slack: Slack, answer: &mut impl Answer) {
