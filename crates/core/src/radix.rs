@@ -20,6 +20,23 @@ pub(crate) fn prefetch_to_write<A>(array: &[A], at: usize) {
     let _ = (array, at);
 }
 
+/// Prefetches an element that will be read soon, with both of its cache lines if it straddles two.
+#[inline(always)]
+pub(crate) fn prefetch_to_read<A>(array: &[A], at: usize) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let (first, next) = (array.as_ptr().wrapping_add(at), array.as_ptr().wrapping_add(at + 1));
+        // SAFETY: a prefetch reads and writes nothing, and any address is allowed.
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T0>(first.cast());
+            _mm_prefetch::<_MM_HINT_T0>(next.cast::<i8>().wrapping_sub(1));
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (array, at);
+}
+
 /// Partitions items by a digit of this many bits and returns where each part ends.
 pub(crate) fn part<T>(
     things: &mut [T],

@@ -217,6 +217,10 @@ impl<const D: usize> Around<D> {
         true
     }
 
+    pub fn is_box(&self) -> bool {
+        self.then.is_some()
+    }
+
     /// Shifts the particles at places from `first` on back to where they would be if they had not
     /// jumped through faces. Returns the positions from which displacements are measured: the
     /// earlier ones, moved with the box.
@@ -227,9 +231,6 @@ impl<const D: usize> Around<D> {
         first: usize,
         room: &'a mut [Point<f64, D>],
     ) -> &'a [Point<f64, D>] {
-        if self.then.is_none() {
-            return then;
-        }
         let from = match &self.strain {
             Some(strain) => {
                 for (to, then) in room.iter_mut().zip(then) {

@@ -9,11 +9,12 @@ use super::cells::{self, Room};
 use super::pass::{Each, Pass, Reach, Same};
 use super::places::Unit;
 use super::rule::{Displacements, Looks, Rule};
-use super::travel::{TopTwo, at_most};
+use super::travel::{TopTwo, at_most, square};
 use crate::contact::{Arithmetic, Bodies, Corners, Slack, Test};
 use crate::pair_list::{PAIR_BYTES, PairList};
 use crate::periodic::{Contacts, List, Periodic};
 use crate::probe::{Op, Probe, Tally};
+use crate::radix::prefetch_to_read;
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
 use crate::searcher::Searcher;
@@ -270,31 +271,61 @@ impl<T: Real, const D: usize> Kernel for Follow<'_, T, D> {
     #[inline(always)]
     fn run<W: Wide>(self, _: W) -> (TopTwo, TopTwo) {
         let Follow { kept, centres, looks } = self;
-        let (mut top, mut step) = (TopTwo::default(), TopTwo::default());
-        let mut unit = kept.unit.begun();
-        let (mut block, mut carried) = ([Point::origin(); BLOCK], [Point::origin(); BLOCK]);
-        let blocks = kept.spots.chunks_mut(BLOCK).zip(kept.then.chunks(BLOCK));
-        for (k, (spots, then)) in blocks.enumerate() {
-            // This loop only reads memory, so that many reads wait at the same time.
-            for (at, spot) in block.iter_mut().zip(&*spots) {
-                *at = wide(&centres[spot.id as usize]);
+        let (top, step, unit) = (TopTwo::default(), TopTwo::default(), kept.unit.begun());
+        let mut seen = Seen { unit, top, step, looks, last: &mut kept.last };
+        if kept.around.is_box() {
+            let (mut block, mut carried) = ([Point::origin(); BLOCK], [Point::origin(); BLOCK]);
+            let blocks = kept.spots.chunks_mut(BLOCK).zip(kept.then.chunks(BLOCK));
+            for (k, (spots, then)) in blocks.enumerate() {
+                // This loop only reads memory, so that many reads wait at the same time.
+                for (at, spot) in block.iter_mut().zip(&*spots) {
+                    *at = wide(&centres[spot.id as usize]);
+                }
+                let at = &mut block[..spots.len()];
+                let then = kept.around.bring(at, then, k * BLOCK, &mut carried);
+                for (j, ((spot, at), then)) in spots.iter_mut().zip(&*at).zip(then).enumerate() {
+                    seen.put(spot, at, then, k * BLOCK + j);
+                }
             }
-            let at = &mut block[..spots.len()];
-            let then = kept.around.bring(at, then, k * BLOCK, &mut carried);
-            for (spot, at) in spots.iter_mut().zip(&*at) {
-                unit.put(spot, at);
-            }
-            if looks != Looks::Nowhere {
-                top.take_all(at, then);
-            }
-            if looks == Looks::SinceFrame {
-                let last = &mut kept.last[k * BLOCK..][..at.len()];
-                step.take_all(at, last);
-                last.copy_from_slice(at);
+        } else {
+            /// Number of particles that are fetched while one is updated, to hide the latency of
+            /// memory.
+            const AHEAD: usize = 16;
+            for (place, then) in kept.then.iter().enumerate().take(kept.spots.len()) {
+                if let Some(next) = kept.spots.get(place + AHEAD) {
+                    prefetch_to_read(centres, next.id as usize);
+                }
+                let spot = &mut kept.spots[place];
+                seen.put(spot, &wide(&centres[spot.id as usize]), then, place);
             }
         }
+        let Seen { unit, top, step, .. } = seen;
         kept.unit = unit;
         (top, step)
+    }
+}
+
+/// Particles of a frame that were stored so far.
+struct Seen<'a, const D: usize> {
+    unit: Unit<D>,
+    top: TopTwo,
+    step: TopTwo,
+    looks: Looks,
+    last: &'a mut [Point<f64, D>],
+}
+
+impl<const D: usize> Seen<'_, D> {
+    /// Stores a particle, and measures its displacement if the rule needs it.
+    #[inline(always)]
+    fn put(&mut self, spot: &mut Spot, at: &Point<f64, D>, then: &Point<f64, D>, place: usize) {
+        self.unit.put(spot, at);
+        if self.looks != Looks::Nowhere {
+            self.top.take(square(array(at), array(then)));
+        }
+        if self.looks == Looks::SinceFrame {
+            self.step.take(square(array(at), array(&self.last[place])));
+            self.last[place] = *at;
+        }
     }
 }
 

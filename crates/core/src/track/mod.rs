@@ -8,7 +8,8 @@
 //!
 //! A tracker uses any detector of the table. For each frame it returns what the detector would: the
 //! pairs that the contact test accepts. The result is complete if the rule is safe, and can be
-//! compared with the truth in each frame.
+//! compared with the truth in each frame. Steps of many particles take less time if the scene holds
+//! them in spatial order, because their positions are then read one after the other.
 //!
 //! ```
 //! use contactbench_core::contact::Test;

@@ -1,9 +1,5 @@
 //! Displacements of particles: upper bounds from rounded squares.
 
-use nalgebra::Point;
-
-use crate::scene::array;
-
 /// Returns an upper bound of a distance in up to three dimensions from its computed square, Σ
 /// fl(fl(x - y)²). The bound is never 0.
 ///
@@ -37,28 +33,19 @@ pub(super) struct TopTwo {
 }
 
 impl TopTwo {
+    /// Takes a squared distance. Usually it is not among the two largest so far.
     #[inline(always)]
     pub fn take(&mut self, square: f64) {
-        let lower = if square < self.first { square } else { self.first };
-        self.second = if lower > self.second { lower } else { self.second };
-        self.first = if square > self.first { square } else { self.first };
+        if square > self.second {
+            self.replace(square);
+        }
     }
 
-    /// Takes the squared distances between corresponding points of two lists. Usually no distance
-    /// is among the two largest so far. So the largest is found first, with accumulators that need
-    /// not wait for each other.
-    #[inline(always)]
-    pub fn take_all<const D: usize>(&mut self, now: &[Point<f64, D>], then: &[Point<f64, D>]) {
-        const TURNS: usize = 4;
-        let squares = || now.iter().zip(then).map(|(a, b)| square(array(a), array(b)));
-        let mut most = [0.0f64; TURNS];
-        for (k, square) in squares().enumerate() {
-            let most = &mut most[k % TURNS];
-            *most = if square > *most { square } else { *most };
-        }
-        if most.into_iter().fold(0.0, f64::max) > self.second {
-            squares().for_each(|square| self.take(square));
-        }
+    #[cold]
+    #[inline(never)]
+    fn replace(&mut self, square: f64) {
+        self.second = if square > self.first { self.first } else { square };
+        self.first = square.max(self.first);
     }
 }
 
@@ -66,23 +53,6 @@ impl TopTwo {
 mod tests {
     use super::*;
     use crate::contact::exact::{Label, label};
-
-    /// Taking squares in blocks or one by one gives the same, wherever the two largest are.
-    #[test]
-    fn the_two_farthest_are_found_among_all_blocks() {
-        for case in 0..200u32 {
-            let position = |k: u32| f64::from((k * 7919 + case * 104_729) % (3 + case));
-            let now: Vec<Point<f64, 2>> =
-                (0..100).map(|k| Point::from([position(k), 0.0])).collect();
-            let then = vec![Point::from([0.0, 0.0]); now.len()];
-            let (mut blocks, mut each) = (TopTwo::default(), TopTwo::default());
-            for (now, then) in now.chunks(7).zip(then.chunks(7)) {
-                blocks.take_all(now, then);
-            }
-            now.iter().for_each(|at| each.take(at[0] * at[0]));
-            assert_eq!(blocks, each, "{case}");
-        }
-    }
 
     #[test]
     fn no_way_is_longer_than_its_bound() {
