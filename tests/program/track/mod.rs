@@ -129,6 +129,6 @@ fn a_sample_or_nothing_is_checked_on_request() {
         ("none", "Not checked:"),
     ] {
         let said = at.ends(0, &format!("{line} --truth {truth}"), &[words]).stdout;
-        assert_eq!(said.contains("not reported"), truth == "sample", "{said}");
+        assert_eq!(said.contains("of sampled particles not"), truth == "sample", "{said}");
     }
 }
