@@ -89,6 +89,8 @@ pub mod track;
 pub mod wide;
 
 pub use contacts::{Contacts, Error, contacts};
+#[doc(hidden)]
+pub use limits::pages::request as request_large_pages;
 pub use limits::refusal::Refusal;
 pub use limits::{crowd, memory, refusal};
 use pairs::normalise;

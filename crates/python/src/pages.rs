@@ -2,7 +2,7 @@
 //!
 //! The system clears each page at its first use. If pages have 4 KiB, this happens 6,649 times for
 //! the contacts of a million packed spheres, and takes a quarter of the call. NumPy requests large
-//! pages from 4 MiB on, and so does this allocator. If the system has none, nothing changes.
+//! pages from 4 MiB on, and so does this allocator if enough of them are free.
 
 use std::alloc::{GlobalAlloc, Layout};
 
@@ -33,18 +33,9 @@ fn paged(size: usize, more: usize, allocate: impl FnOnce() -> *mut u8) -> *mut u
         libc::munmap(probe, len);
     }
     let begin = allocate();
-    if begin.is_null() {
-        return begin;
+    if !begin.is_null() {
+        contactbench_core::request_large_pages(begin, size, more);
     }
-    // The advice covers whole pages, because advice for a part splits a mapping, and the system
-    // moves no split mapping: an array that grows would be copied into small pages.
-    // SAFETY: the call only returns a number.
-    let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) } as usize;
-    let before = begin.addr() % page;
-    let len = (before + size).next_multiple_of(page);
-    // SAFETY: the range is the pages of the allocation, whose ends other memory of the heap may
-    // share, and the advice changes no content.
-    unsafe { libc::madvise(begin.wrapping_sub(before).cast(), len, libc::MADV_HUGEPAGE) };
     begin
 }
 

@@ -120,6 +120,7 @@ pub fn request(begin: *const u8, bytes: usize, more: usize) {
     unsafe { madvise(begin.cast_mut().wrapping_sub(before).cast(), bytes, HUGE_PAGE) };
 }
 
+/// Does nothing: other systems choose their pages themselves.
 #[cfg(not(target_os = "linux"))]
 pub fn request(_: *const u8, _: usize, _: usize) {}
 
