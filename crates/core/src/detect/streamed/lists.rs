@@ -174,7 +174,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
         filling.most = fill(|k| filling.most[k].max(steps[k]));
         let list = (steps[D - 1] >> (grid.bits + filling.layers)) as usize;
         debug_assert!(!grid.flat, "a flat grid of discs has one list");
-        self.put(filling, list, Record { at: steps.map(|steps| steps as u32), radius, id });
+        self.put(filling, list, Record { at: fill(|k| steps[k] as u32), radius, id });
     }
 
     #[inline(always)]
