@@ -4,12 +4,12 @@
 //! sizes are divided into classes by radius, and each class gets its own grid. Larger particles
 //! then visit the grids of smaller ones ([`super::visits`]).
 //!
-//! Radii are grouped by octave. The octave of a radius is how often the largest radius of the scene
-//! must be halved until it is at most this radius. Which octaves share a grid is chosen to minimise
-//! a model of the work ([`Class::work`], [`Class::visits`]). Larger particles visit each finer
-//! class separately, so the work in a class, visits included, depends only on where the class
-//! begins and ends. So the best partition is found octave by octave. Most scenes whose sizes differ
-//! by a small factor form one class and are swept like scenes of one size.
+//! Radii are grouped in bins: an octave (a factor of 2), or a half or a quarter of an octave if
+//! there are many particles ([`Bins`]). Which bins share a grid is chosen to minimise a model of
+//! the work ([`Class::work`]). Larger particles visit each finer class separately, so the work in a
+//! class, visits included, depends only on where the class begins and ends. So the best partition
+//! is found bin by bin. Most scenes whose sizes differ by a small factor form one class and are
+//! swept like scenes of one size.
 
 use super::grid::CELLS_PER_PARTICLE;
 use crate::contact::Bodies;
@@ -17,7 +17,8 @@ use crate::detect::modern::crowd::CLASSES;
 use crate::scene::{Real, extremes};
 use crate::wide::fill;
 
-/// Number of octaves; the last one holds all radii below 2^-31 of the largest.
+/// Largest number of bins; the last one holds all smaller radii, at least those below 2^-31 of the
+/// largest.
 pub(super) const MOST: usize = CLASSES;
 /// Scenes with fewer particles than this form one class.
 const FEWEST: usize = 64;
@@ -26,11 +27,11 @@ const ROW: f64 = 30.0;
 /// Fixed cost of one more class, in contact tests.
 const CLASS: f64 = 2000.0;
 
-/// A range of octaves and the particles in it.
+/// A range of bins and the particles in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Class<const D: usize> {
     pub bodies: usize,
-    pub octaves: usize,
+    bins: usize,
     pub largest: f64,
     sum: f64,
     pub low: [f64; D],
@@ -40,7 +41,7 @@ pub(super) struct Class<const D: usize> {
 impl<const D: usize> Class<D> {
     const EMPTY: Class<D> = Class {
         bodies: 0,
-        octaves: 0,
+        bins: 0,
         largest: 0.0,
         sum: 0.0,
         low: [f64::INFINITY; D],
@@ -57,13 +58,13 @@ impl<const D: usize> Class<D> {
         self.largest = if radius > self.largest { radius } else { self.largest };
         self.sum += radius;
         self.bodies += 1;
-        self.octaves = 1;
+        self.bins = 1;
     }
 
     pub fn with(&self, other: &Class<D>) -> Class<D> {
         Class {
             bodies: self.bodies + other.bodies,
-            octaves: self.octaves + other.octaves,
+            bins: self.bins + other.bins,
             largest: self.largest.max(other.largest),
             sum: self.sum + other.sum,
             low: fill(|k| self.low[k].min(other.low[k])),
@@ -71,33 +72,24 @@ impl<const D: usize> Class<D> {
         }
     }
 
-    /// Returns the approximate number of cells of the class, and their edge.
-    fn cells(&self) -> (f64, f64) {
-        let lengths: [f64; D] = fill(|k| self.high[k] - self.low[k] + 2.0 * self.largest);
-        let share = lengths.iter().product::<f64>() / (CELLS_PER_PARTICLE * self.bodies as f64);
-        let edge = (2.0 * self.largest).max(root::<D>(share)).max(f64::MIN_POSITIVE);
-        (lengths.iter().map(|length| length / edge).product(), edge)
-    }
-
-    /// Estimates the contact tests within the class: each particle is tested against those in half
-    /// of the cells around it.
-    fn work(&self) -> f64 {
-        let (cells, _) = self.cells();
-        let beside = if D == 2 { 4.5 } else { 13.5 };
+    /// Estimates the work for this class in contact tests. Each particle is tested against those in
+    /// half of the cells around it. Particles of the `larger` bins visit this class.
+    fn work(&self, larger: &[Class<D>]) -> f64 {
         let n = self.bodies as f64;
-        n * n * beside / cells
-    }
-
-    /// Estimates the cost in contact tests if the larger particles of `octave` visit this class.
-    fn visits(&self, octave: &Class<D>) -> f64 {
-        let (cells, edge) = self.cells();
-        let radius = octave.sum / octave.bodies as f64;
-        // A visit covers slightly more than half of the cube around its ball.
-        let width = 2.0 * (radius + self.largest) / edge + 1.0;
-        let (rows, tests) =
-            if D == 2 { (width, width * width) } else { (width * width, width * width * width) };
-        let tests = (self.bodies as f64 * tests / cells).min(self.bodies as f64);
-        octave.bodies as f64 * (ROW * 0.8 * rows + 0.6 * tests)
+        let lengths: [f64; D] = fill(|k| self.high[k] - self.low[k] + 2.0 * self.largest);
+        let share = lengths.iter().product::<f64>() / (CELLS_PER_PARTICLE * n);
+        let edge = (2.0 * self.largest).max(root::<D>(share)).max(f64::MIN_POSITIVE);
+        let per_cell = n / lengths.iter().map(|length| length / edge).product::<f64>();
+        let visits = |bin: &Class<D>| {
+            let radius = bin.sum / bin.bodies as f64;
+            // A visit covers slightly more than half of the cube around its ball.
+            let width = 2.0 * (radius + self.largest) / edge + 1.0;
+            let rows = if D == 2 { width } else { width * width };
+            bin.bodies as f64 * (ROW * 0.8 * rows + (0.6 * per_cell * rows * width).min(0.6 * n))
+        };
+        let beside = if D == 2 { 4.5 } else { 13.5 };
+        let full = larger.iter().filter(|bin| bin.bodies > 0);
+        CLASS + n * beside * per_cell + full.map(visits).sum::<f64>()
     }
 }
 
@@ -107,7 +99,7 @@ fn root<const D: usize>(volume: f64) -> f64 {
 
 #[derive(Clone, Debug)]
 pub(super) struct Classes<const D: usize> {
-    largest: f64,
+    bins: Bins,
     numbers: [u8; MOST],
     classes: [Class<D>; MOST],
     count: usize,
@@ -121,42 +113,39 @@ impl<const D: usize> Classes<D> {
             return None;
         }
         let (least, largest) = extremes(bodies.len(), |id| bodies.radius(id as u32))?;
-        if least == largest || octave(largest, least) == 0 {
-            return None;
-        }
-        let mut octaves = [const { Class::EMPTY }; MOST];
+        let bins = Bins::new(n as usize, least, largest)?;
+        let mut all = [const { Class::EMPTY }; MOST];
         for id in 0..n {
             let radius = bodies.radius(id);
-            octaves[octave(largest, radius)].take(bodies.position(id), radius);
+            all[bins.of(radius)].take(bodies.position(id), radius);
         }
-        Some(Classes::best(largest, &octaves))
+        Some(Classes::best(bins, &all))
     }
 
-    /// Returns the partition of the octaves with the least estimated work.
-    fn best(largest: f64, octaves: &[Class<D>; MOST]) -> Classes<D> {
-        let full = |octave: &usize| octaves[*octave].bodies > 0;
-        // For each octave: the least work up to it, and the first octave of the class that it ends.
+    /// Returns the partition of the bins with the least estimated work.
+    fn best(bins: Bins, all: &[Class<D>; MOST]) -> Classes<D> {
+        let full = |bin: &usize| all[*bin].bodies > 0;
+        // For each bin: the least work up to it, and the first bin of the class that it ends.
         let mut least = [(0.0, 0); MOST + 1];
         for end in (0..MOST).filter(full) {
             let (mut class, mut best) = (Class::EMPTY, (f64::INFINITY, end));
             for begin in (0..=end).rev().filter(full) {
-                class = class.with(&octaves[begin]);
-                let visits = (0..begin).filter(full).map(|octave| class.visits(&octaves[octave]));
+                class = class.with(&all[begin]);
                 let before = (0..begin).rev().find(full).map_or(0.0, |end| least[end].0);
-                let all = before + CLASS + class.work() + visits.sum::<f64>();
-                if all < best.0 {
-                    best = (all, begin);
+                let work = before + class.work(&all[..begin]);
+                if work < best.0 {
+                    best = (work, begin);
                 }
             }
             least[end] = best;
         }
         let mut classes =
-            Classes { largest, numbers: [0; MOST], classes: [Class::EMPTY; MOST], count: 0 };
+            Classes { bins, numbers: [0; MOST], classes: [Class::EMPTY; MOST], count: 0 };
         // Collect the classes from the last to the first, then reverse their order.
         let mut last = (0..MOST).rev().find(full);
         while let Some(end) = last {
             let begin = least[end].1;
-            let class = (begin..=end).fold(Class::EMPTY, |class, k| class.with(&octaves[k]));
+            let class = (begin..=end).fold(Class::EMPTY, |class, k| class.with(&all[k]));
             classes.classes[classes.count] = class;
             classes.numbers[begin..=end].fill(classes.count as u8);
             classes.count += 1;
@@ -170,7 +159,12 @@ impl<const D: usize> Classes<D> {
 
     #[inline(always)]
     pub fn number(&self, radius: f64) -> usize {
-        usize::from(self.numbers[octave(self.largest, radius)])
+        usize::from(self.numbers[self.bins.of(radius)])
+    }
+
+    /// Returns whether radii in a class differ by more than about a factor of 2.
+    pub fn wide(&self, class: &Class<D>) -> bool {
+        class.bins > 1 << self.bins.fine
     }
 
     pub fn all(&self) -> &[Class<D>] {
@@ -178,11 +172,37 @@ impl<const D: usize> Classes<D> {
     }
 }
 
-/// Returns how often the largest radius is halved until it is at most `radius`: the exponent of the
-/// quotient. Rounding is monotone, so a smaller radius never has a lower octave.
-#[inline(always)]
-fn octave(largest: f64, radius: f64) -> usize {
-    let exponent = (largest / radius).to_bits() >> 52 & 0x7ff;
-    // The quotient is at least 1, infinite for points, and NaN if all particles are points.
-    (exponent as usize).saturating_sub(1023).min(MOST - 1)
+/// Bins of radii. In each octave from the largest radius down they divide the quotient of largest
+/// and radius into 2^`fine` equal parts.
+#[derive(Clone, Copy, Debug)]
+struct Bins {
+    largest: f64,
+    fine: u32,
+}
+
+impl Bins {
+    /// Returns bins so fine that choosing classes costs little for `n` particles, or `None` if all
+    /// radii are in one octave.
+    fn new(n: usize, least: f64, largest: f64) -> Option<Bins> {
+        let octaves = Bins { largest, fine: 0 };
+        let few = |bins: &Bins| (bins.number(least) + 1).pow(3) <= n.min(MOST.pow(3));
+        let finer = [2, 1].map(|fine| Bins { fine, ..octaves });
+        (least < largest && octaves.of(least) > 0)
+            .then(|| finer.into_iter().find(few).unwrap_or(octaves))
+    }
+
+    /// Returns the leading bits of the quotient: its exponent and `fine` bits of its fraction.
+    /// Rounding is monotone, so a smaller radius never has a lower number.
+    #[inline(always)]
+    fn number(&self, radius: f64) -> usize {
+        let leading =
+            (self.largest / radius).to_bits() >> (52 - self.fine) & (0x800 << self.fine) - 1;
+        // The quotient is at least 1, infinite for points, and NaN if all particles are points.
+        (leading as usize).saturating_sub(1023 << self.fine)
+    }
+
+    #[inline(always)]
+    fn of(&self, radius: f64) -> usize {
+        self.number(radius).min(MOST - 1)
+    }
 }

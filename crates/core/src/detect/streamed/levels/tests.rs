@@ -50,6 +50,9 @@ fn classes_are_those_that_save_work() {
     assert_eq!(classes((0..2000).map(|k| 1.0 - 0.8 * f64::from(k % 2)).collect(), 1e6), []);
     assert_eq!(classes(dusty(&[5.0, 7.0, 6.0], |_| 0.25), 20.0), [3, 2000]);
     assert_eq!(classes(dusty(&[3.0; 30], |_| 0.0), 20.0), [30, 2000]);
+    // A class may begin within an octave: 1.0 and 0.55 are in the same one, 0.45 is in the next.
+    let similar = |k| if k % 50 == 0 { 0.45 } else { 0.55 };
+    assert_eq!(classes(dusty(&[1.0; 30], similar), 12.0), [30, 2000]);
     // One giant does not justify a class of its own if there are twenty large particles.
     let three = |k| if k % 100 == 0 { 1.0 } else { 0.1 };
     assert_eq!(classes(dusty(&[8.0], three), 20.0), [21, 1980]);
