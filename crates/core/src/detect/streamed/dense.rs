@@ -5,11 +5,10 @@ use std::ops::Range;
 
 use super::kernel::{Bounds, Scratch, Sweep};
 use super::lists::{Lists, Record, Size};
-use super::pair_sink::{Deliver, PairSink};
 use super::plan::Plan;
 use super::ranges::ByCells;
 use super::slab::Slab;
-use super::{NAME, Run, Worker};
+use super::{Deliver, NAME, PairSink, Run, Worker};
 use crate::detect::{Refusal, within};
 use crate::pair_list::{self, Allowance, PAIR_BYTES, PairList};
 use crate::parallel::{self, share};

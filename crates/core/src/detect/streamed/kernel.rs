@@ -22,9 +22,9 @@
 //!
 //! Arrays are read without bounds checks; `unchecked.rs` gives the reasons why this is safe.
 
+use super::PairSink;
 use super::grid::{Grid, STEPS_OFF, reach_of};
 use super::near::{Limits, Query, test};
-use super::pair_sink::PairSink;
 use super::ranges::{Find, Ranges, in_next, ranges_used};
 use super::slab::Slab;
 use super::together::{Copies, TOGETHER, Together};

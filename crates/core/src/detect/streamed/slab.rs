@@ -1,7 +1,7 @@
 //! One bundle of layers, sorted by cell into arrays that stay in cache.
 
+use super::PairSink;
 use super::lists::{Lists, Record, Size};
-use super::pair_sink::PairSink;
 use super::plan::Plan;
 use crate::probe::Op;
 use crate::refusal::at_least;

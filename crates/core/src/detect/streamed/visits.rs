@@ -35,11 +35,11 @@
 //! per axis, so the relative part of the bound is 2^-18 instead of 2^-19. If a cell is wider than
 //! R, the part of one cell is covered by that of x, whose axis has at least two cells.
 
+use super::PairSink;
 use super::grid::Grid;
 use super::kernel::Scratch;
 use super::lists::{Lists, Record};
 use super::near::{Limits, Query, test};
-use super::pair_sink::PairSink;
 use super::plan::Plan;
 use super::slab::Slab;
 use super::unchecked::{Run16, TwoRuns8, element};
