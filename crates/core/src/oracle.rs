@@ -2,7 +2,7 @@
 //!
 //! * Up to [`BRUTE_FORCE`] particles, every pair is tested.
 //! * Above, two different detectors must find contacts of the same digest, and 1,000 random
-//!   particles are tested against all others, except those that a [`Sieve`] proves to be apart. If
+//!   particles are tested against all others, except those that a sieve proves to be apart. If
 //!   fewer than two detectors accept the scene, every pair is tested after all.
 //!
 //! Unit tests compare the contact test itself with arbitrary-precision arithmetic.

@@ -168,7 +168,7 @@ pub fn table(followed: &Followed) -> Table {
         .right("built", |it| it.builds.built)
         .right("listed", |it| (it.reported > 0).then(|| it.listed as f64 / it.reported as f64))
         .right("missed", |it| {
-            let missed = (followed.check != Check::None).then(|| Cell::Count(it.late.missed));
+            let missed = (followed.check != Check::None).then_some(Cell::Count(it.late.missed));
             missed.map(|missed| if it.is_wrong() { missed.wrong() } else { missed })
         })
         .right("since", |it| it.late.first.filter(|_| it.late.missed > 0).map(|it| it.to_string()))

@@ -249,12 +249,12 @@ fn tested<const D: usize>(
     });
     let places: Vec<[f64; 3]> = few.iter().map(|&k| fractions(at(k as usize))).collect();
     let sieve = Sieve::new(&places, margin, [None; 3]);
-    for j in 0..n {
+    for (j, &one_of_them) in chosen.iter().enumerate() {
         let mut result = Ok(());
         sieve.near(&fractions(at(j)), |k| {
             let i = few[k] as usize;
             // A pair of two chosen particles is tested from one side.
-            if result.is_ok() && !(chosen[j] && j < i) {
+            if result.is_ok() && !(one_of_them && j < i) {
                 result = test(i.min(j), i.max(j));
             }
         });

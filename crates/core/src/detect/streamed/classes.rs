@@ -195,8 +195,8 @@ impl Bins {
     /// Rounding is monotone, so a smaller radius never has a lower number.
     #[inline(always)]
     fn number(&self, radius: f64) -> usize {
-        let leading =
-            (self.largest / radius).to_bits() >> (52 - self.fine) & (0x800 << self.fine) - 1;
+        let quotient = (self.largest / radius).to_bits();
+        let leading = (quotient >> (52 - self.fine)) & ((0x800 << self.fine) - 1);
         // The quotient is at least 1, infinite for points, and NaN if all particles are points.
         (leading as usize).saturating_sub(1023 << self.fine)
     }

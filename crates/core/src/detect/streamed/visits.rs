@@ -266,7 +266,8 @@ impl<const D: usize> Kernel for Visit<'_, D> {
                     for (k, record) in records.iter().enumerate() {
                         let (z, reach) = (along_last(record), each * f64::from(record.radius));
                         near[count] = k as u8;
-                        count += usize::from(!(z + reach < below) & !(z - reach > above));
+                        let far = (z + reach < below) | (z - reach > above);
+                        count += usize::from(!far);
                     }
                     for &k in &near[..count] {
                         let record = &records[usize::from(k)];
