@@ -187,17 +187,11 @@ mod tests {
     #[test]
     fn two_discs_side_by_side_and_a_ball_in_its_cube_by_hand() {
         let ball = Scene::<f64, 3>::new(vec![Point::from([1.0, 2.0, 3.0])], Radii::Uniform(0.5));
+        let unequal = Radii::Each(vec![1.0, 2.0].into());
         let pair = |x, radii| plane(&[[0.0, 0.0], [x, 0.0]], radii);
         for (scene, contacts, coordination, parts_of_pi, ratio, edges) in [
             (pair(2.0, Radii::Uniform(1.0)), 1, 1.0, 1.0 / 4.0, 1.0, vec![1.0, 0.0]),
-            (
-                pair(3.0, Radii::Each(vec![1.0, 2.0].into())),
-                1,
-                1.0,
-                5.0 / 24.0,
-                2.0,
-                vec![0.75, 0.0],
-            ),
+            (pair(3.0, unequal), 1, 1.0, 5.0 / 24.0, 2.0, vec![0.75, 0.0]),
             (ball.unwrap().into(), 0, 0.0, 1.0 / 6.0, 1.0, vec![0.0; 3]),
         ] {
             let stats = stats(&scene.into(), contacts);

@@ -11,7 +11,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::formats::Opened;
+use crate::formats::{Indexed, Opened};
 use crate::frames::Framed;
 use crate::particles::{Column, Particles, loaded};
 use crate::raw::lines::Source;
@@ -21,21 +21,14 @@ use crate::{About, Declared, Loaded, Notice, Options, RadiusSource};
 pub(crate) const MAGIC: &[u8] = b"\xdf\x65\xdf\x65\xdf\x65\xdf\x65";
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
-    Box::new(Gsd { source, options, file: None, next: 0 })
+    Box::new(Indexed::<File>::new(source, options))
 }
 
-struct Gsd<'a> {
-    source: Source<'a>,
-    options: Options,
-    file: Option<File>,
-    next: u64,
-}
-
-impl Framed for Gsd<'_> {
+impl Framed for Indexed<'_, File> {
     fn begin(&mut self) -> anyhow::Result<Option<String>> {
-        let file = match &mut self.file {
+        let file = match &mut self.index {
             Some(file) => file,
-            None => self.file.insert(File::read(&mut self.source)?),
+            None => self.index.insert(File::read(&mut self.source)?),
         };
         let k = self.next;
         self.next += 1;
@@ -43,7 +36,7 @@ impl Framed for Gsd<'_> {
     }
 
     fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>> {
-        let (Some(file), name, k) = (&self.file, self.source.name, self.next - 1) else {
+        let (Some(file), name, k) = (&self.index, self.source.name, self.next - 1) else {
             return Ok(None);
         };
         let read = keep.then(|| file.frame(k, name, self.options)).transpose();

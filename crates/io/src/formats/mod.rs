@@ -42,6 +42,22 @@ enum Read {
 
 pub type Opened<'a> = Box<dyn Reader<Loaded> + 'a>;
 
+/// A file whose frames are described by its index: a header, a table or a list of its arrays.
+struct Indexed<'a, T> {
+    source: Source<'a>,
+    options: Options,
+    /// `None` before the first frame is read.
+    index: Option<T>,
+    /// Number of the next frame.
+    next: u64,
+}
+
+impl<'a, T> Indexed<'a, T> {
+    fn new(source: Source<'a>, options: Options) -> Indexed<'a, T> {
+        Indexed { source, options, index: None, next: 0 }
+    }
+}
+
 impl PartialEq for Format {
     fn eq(&self, other: &Format) -> bool {
         self.key == other.key

@@ -41,18 +41,7 @@ fn a_part_of_an_array_is_its_rows_and_says_which() {
 }
 
 #[test]
-fn files_of_several_pieces_are_whole() {
-    let list: Vec<[u32; 2]> = (0..10_000).map(|k| [k, 3 * k + 1]).collect();
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("pairs.csv");
-    written(&path, &list).unwrap();
-    let text: String = list.iter().map(|[i, j]| format!("{i},{j}\n")).collect();
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), format!("i,j\n{text}"));
-    let path = folder.path().join("pairs.npy");
-    written(&path, &list).unwrap();
-    let bytes = std::fs::read(&path).unwrap();
-    let words: Vec<u8> = list.as_flattened().iter().flat_map(|index| index.to_le_bytes()).collect();
-    assert!(bytes.ends_with(&words) && bytes.len() - words.len() <= 192);
+fn arrays_of_several_pieces_are_whole() {
     let mut numbers: Vec<f64> = (0..4 * 10_000).map(|k| 1.0 + f64::from(k)).collect();
     let file = |numbers: &[f64]| npy_file("<f8", "False", "(10000, 4)", &doubles(numbers));
     let scene = read(&file(&numbers), "npy", NONE).unwrap();
@@ -71,20 +60,21 @@ fn files_of_several_pieces_are_whole() {
 #[test]
 fn pairs_are_written_as_csv_and_npy() {
     let folder = tempfile::tempdir().unwrap();
-    let list = [[0, 1], [7, 0xfedc_ba98]];
-    let path = folder.path().join("pairs.CSV");
-    written(&path, &list).unwrap();
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), "i,j\n0,1\n7,4275878552\n");
     let path = folder.path().join("pairs.npy");
-    for list in [&list[..], &[]] {
+    let many: Vec<[u32; 2]> = (0..10_000).map(|k| [k, 3 * k + 1]).collect();
+    for list in [&[[0, 1], [7, 0xfedc_ba98]][..], &[], &many] {
+        let text: String = list.iter().map(|[i, j]| format!("{i},{j}\n")).collect();
+        for name in ["pairs.csv", "pairs.CSV"] {
+            let path = folder.path().join(name);
+            written(&path, list).unwrap();
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), format!("i,j\n{text}"));
+        }
         written(&path, list).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let start = bytes.len() - 8 * list.len();
-        assert_eq!(start % 64, 0);
-        assert_eq!(
-            (&bytes[..8], usize::from(bytes[8])),
-            (b"\x93NUMPY\x01\0".as_slice(), start - 10)
-        );
+        assert!(start.is_multiple_of(64) && start <= 192, "{start}");
+        assert_eq!(bytes[..8], *b"\x93NUMPY\x01\0");
+        assert_eq!(usize::from(bytes[8]), start - 10);
         let header =
             format!("{{'descr': '<u4', 'fortran_order': False, 'shape': ({}, 2), }}", list.len());
         assert_eq!(std::str::from_utf8(&bytes[10..start]).unwrap().trim_end(), header);
@@ -93,10 +83,8 @@ fn pairs_are_written_as_csv_and_npy() {
             bytes[start..].as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect();
         assert_eq!(words, list.as_flattened());
     }
-    let message = written(Path::new("pairs.txt"), &list).unwrap_err().to_string();
-    assert_eq!(message, "pairs.txt: the ending of a file of pairs must be .csv, .npy or .vtk");
-    assert!(
-        format!("{:#}", written(Path::new("/nowhere/pairs.csv"), &list).unwrap_err())
-            .starts_with("cannot write /nowhere/pairs.csv: ")
-    );
+    let refused = |path: &str| format!("{:#}", written(Path::new(path), &many).unwrap_err());
+    let endings = "pairs.txt: the ending of a file of pairs must be .csv, .npy or .vtk";
+    assert_eq!(refused("pairs.txt"), endings);
+    assert!(refused("/nowhere/pairs.csv").starts_with("cannot write /nowhere/pairs.csv: "));
 }

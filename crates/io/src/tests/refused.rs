@@ -5,12 +5,10 @@ use rand::{RngExt, SeedableRng};
 use super::*;
 
 #[test]
-fn long_lines_options_and_missing_files_are_refused() {
+fn long_lines_and_missing_files_are_refused() {
     let long = [b"x,y,r\n1,2,3".as_slice(), &vec![b' '; LONGEST_LINE], b"\n"].concat();
     let message = read(&long, "csv", NONE).unwrap_err();
     assert!(message.starts_with("p:2: the line is longer than 1048576 bytes"), "{message}");
-    let message = read(b"x,y\n", "csv", Options { dim: Some(4), ..NONE }).unwrap_err();
-    assert_eq!(message, "the dimension given is 4; it must be 2 or 3");
     let missing = scene(Path::new("/nowhere/p.csv"), NONE).unwrap_err();
     assert!(format!("{missing:#}").starts_with("cannot read /nowhere/p.csv: "), "{missing:#}");
     assert!(scene(Path::new("/"), NONE).is_err());
@@ -41,7 +39,7 @@ fn damaged_bytes_never_panic() {
         let options = [
             NONE,
             HALF,
-            Options { radius: None, dim: Some(2), ..NONE },
+            Options { dim: Some(2), ..NONE },
             Options { radius: Some(1.0), dim: Some(3), ..NONE },
         ];
         let mut see = |bytes: &[u8], options| match read(bytes, ending, options) {

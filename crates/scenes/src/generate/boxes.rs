@@ -11,9 +11,11 @@
 
 use anyhow::ensure;
 
+use crate::generate::draw::Draw;
+use crate::generate::sizes::unit_radii;
 use crate::generate::table::{Kind, Parameter, optional};
-use crate::generate::{DIAMETER, Inputs, OFFSET};
-use contactbench_core::scene::{AnyScene, Lattice};
+use crate::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge};
+use contactbench_core::scene::{AnyScene, Lattice, Scene};
 use contactbench_io::Given;
 use contactbench_io::boxes::Axes;
 
@@ -49,6 +51,22 @@ impl Repeats {
         );
         Ok(Some(Repeats { axes, tilt }))
     }
+}
+
+/// Makes a scene in a square or cube that the particles fill to the parameter `fraction`. `centre`
+/// returns the centre of the particle with the given index; it also gets the edge, in diameters.
+pub fn filled<const D: usize>(
+    inputs: &Inputs<'_>,
+    mut centre: impl FnMut(&mut Draw, f64, u64) -> [f64; D],
+) -> anyhow::Result<Given>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let mut draw = Draw::new(inputs.seed);
+    let radii = unit_radii(inputs, &mut draw)?;
+    let edge = box_edge::<D>(inputs.n, radii.as_deref(), inputs.number("fraction")?);
+    let centres = (0..inputs.n).map(|k| centre(&mut draw, edge, k));
+    boxed(inputs, assemble(inputs, centres, radii)?, [edge; D])
 }
 
 /// Puts the scene into its box, if it has one. `edges` are in diameters.

@@ -18,11 +18,10 @@
 //! then slightly larger, and its packing fraction slightly smaller, than requested. In generated
 //! order the clusters come first, then the background.
 
-use crate::generate::boxes::boxed;
-use crate::generate::draw::Draw;
-use crate::generate::sizes::unit_radii;
+use crate::generate::boxes::filled;
+use crate::generate::loose::uniform;
 use crate::generate::table::{Generator, Kind, Parameter, Preset, number};
-use crate::generate::{Inputs, OF_BODIES, assemble, box_edge, fraction};
+use crate::generate::{Inputs, OF_BODIES, fraction};
 use contactbench_core::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
@@ -61,21 +60,17 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Given>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
-    let mut draw = Draw::new(inputs.seed);
-    let radii = unit_radii(inputs, &mut draw)?;
     let (n, per_cluster, width) =
         (inputs.n, inputs.whole("per-cluster")?.max(1), inputs.number("width")?);
-    let edge = box_edge::<D>(n, radii.as_deref(), inputs.number("fraction")?);
     let clustered = n - ((inputs.number("background")? * n as f64 + 0.5) as u64).min(n);
     let mut cluster = [0.0; D];
-    let centres = (0..n).map(|k| {
+    filled(inputs, |draw, edge, k| {
         if k >= clustered {
-            return [(); D].map(|()| edge * draw.unit());
+            return uniform(draw, edge);
         }
         if k % per_cluster == 0 {
-            cluster = cluster.map(|_| edge * draw.unit());
+            cluster = uniform(draw, edge);
         }
         cluster.map(|x| x + width * draw.normal())
-    });
-    boxed(inputs, assemble(inputs, centres, radii)?, [edge; D])
+    })
 }

@@ -2,6 +2,7 @@ use crate::spec::{GENERATORS, Spec};
 use crate::stats::{hash, stats};
 use crate::touching::{contacts, in_any_box, resized};
 use contactbench_core::contact::Arithmetic;
+use contactbench_core::oracle;
 use contactbench_core::periodic::{self, ImagePair, Periodic};
 use contactbench_core::scene::{AnyScene, Radii, Real, Stored, array};
 use contactbench_core::with_scene;
@@ -12,7 +13,7 @@ fn given(text: &str) -> Given {
     given.unwrap_or_else(|error| panic!("{text}: {error:#}"))
 }
 
-fn make(text: &str) -> AnyScene<'static> {
+pub(super) fn make(text: &str) -> AnyScene<'static> {
     given(text).open(text).unwrap()
 }
 
@@ -80,17 +81,45 @@ fn space(text: &str) -> Vec<[f64; 3]> {
 }
 
 #[test]
-fn seeds_differ_and_the_shuffle_does_not_touch_the_draws() {
+fn orders_are_permutations_and_morton_is_local() {
     assert_ne!(make("loose:seed=1,order=generated"), make("loose:seed=2,order=generated"));
-    let [a, b] = ["shuffled", "generated"].map(|order| {
-        let mut bits: Vec<_> = plane(&format!("clustered:order={order}"))
-            .iter()
-            .map(|centre| centre.map(f64::to_bits))
-            .collect();
+    let sorted = |points: &[[f64; 2]]| {
+        let mut bits: Vec<_> = points.iter().map(|p| p.map(f64::to_bits)).collect();
         bits.sort_unstable();
         bits
-    });
-    assert_eq!(a, b);
+    };
+    let orders = |text: &str| {
+        let orders = ["generated", "shuffled", "morton"];
+        let [generated, shuffled, morton] =
+            orders.map(|order| plane(&format!("{text},order={order}")));
+        assert_ne!(generated, shuffled, "{text}");
+        let others = [&shuffled, &morton];
+        assert!(others.iter().all(|other| sorted(other) == sorted(&generated)), "{text}");
+        [shuffled, morton]
+    };
+    orders("clustered:n=1000");
+    let [shuffled, morton] = orders("packed:n=1000,lattice=square,jitter=0,spacing=1");
+    let path = |points: &[[f64; 2]]| -> f64 {
+        let step = |[a, b]: &[[f64; 2]; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        points.array_windows().map(step).sum::<f64>() / 999.0
+    };
+    let paths = [path(&morton), path(&shuffled)];
+    assert!(paths[0] < 2.0 && paths[1] > 10.0, "{paths:?}");
+    assert_eq!(morton[..4], [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]);
+}
+
+/// Offsets of the centres from their cells are exact in f32 wherever the scene lies, so `f32-cell`
+/// must find the exact contacts.
+#[test]
+fn coordinates_by_cells_do_not_depend_on_the_offset() {
+    let (large, tiny) = (2f64.powi(40), 2f64.powi(-900));
+    for (offset, edge) in [(0.0, 1.0), (-3.75, 0.125), (1e9, 1.0), (-large, 3.0), (0.0, tiny)] {
+        let place = format!("diameter={edge:e},offset={:e}", offset / edge);
+        let scene = make(&format!("packed:n=400,lattice=square,jitter=0,spacing=1,{place}"));
+        let truth = |arithmetic| oracle::truth(&scene, arithmetic).unwrap().digest;
+        assert_eq!(truth(Arithmetic::Exact).contacts, 2 * 20 * 19, "{place}");
+        assert_eq!(truth(Arithmetic::F32Cell), truth(Arithmetic::Exact), "{place}");
+    }
 }
 
 /// Particles at the border have fewer neighbours, but most particles are inside.
@@ -203,14 +232,19 @@ fn radii(text: &str) -> Vec<f64> {
     })
 }
 
+pub(super) fn ascending_radii(text: &str) -> Vec<f64> {
+    let mut radii = radii(text);
+    radii.sort_by(f64::total_cmp);
+    radii
+}
+
 #[test]
 fn sizes_have_the_requested_distribution() {
     let even = radii("packed:n=2000,size-ratio=5");
     let mean = even.iter().sum::<f64>() / 2000.0;
     assert!(even.iter().all(|r| (0.2..=1.0).contains(r)) && (mean - 0.6).abs() < 0.02, "{mean}");
     // If radii from 1 to 10 have the density r^-3, the part (1 - r^-2) / (1 - 10^-2) is below r.
-    let mut power = radii("loose:n=1001,size-ratio=10,sizes=power,exponent=-3");
-    power.sort_by(f64::total_cmp);
+    let power = ascending_radii("loose:n=1001,size-ratio=10,sizes=power,exponent=-3");
     assert_eq!((power[0], power[1000]), (0.1, 1.0));
     for (k, r) in power.iter().enumerate() {
         let part = (1.0 - (10.0 * r).powi(-2)) / 0.99;
@@ -227,8 +261,7 @@ fn sizes_have_the_requested_distribution() {
         assert!((large - 20_000.0 * part).abs() <= 1.0, "{dim}D: {large}");
         assert!(binary.iter().all(|&r| r == 1.0 || r == 0.1));
     }
-    let mut lognormal = radii("packed:n=20000,size-ratio=16,sizes=lognormal");
-    lognormal.sort_by(f64::total_cmp);
+    let lognormal = ascending_radii("packed:n=20000,size-ratio=16,sizes=lognormal");
     assert!(lognormal[0] >= 1.0 / 16.0 && lognormal[19_999] <= 1.0);
     let within = lognormal.iter().filter(|r| (0.125..0.5).contains(*r)).count() as f64 / 20_000.0;
     // One standard deviation is a factor of 2; the cut-off removes 4.6%.
@@ -347,7 +380,6 @@ fn book_packs_touch_exactly() {
 fn tangent_pairs_touch_and_textbook_filters_lose_them() {
     use contactbench_core::contact::Test;
     use contactbench_core::detect::{Options, table};
-    use contactbench_core::oracle;
     for (text, lossy) in [
         ("couples:n=2000", false),
         ("couples:n=2000,dim=3,diameter=0.1,offset=-10", true),

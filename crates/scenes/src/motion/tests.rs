@@ -19,6 +19,12 @@ pub(super) fn motion(kind: Kind, speed: f64) -> Motion {
     Motion { kind, speed, seed: 1 }
 }
 
+/// Returns the lowest and the highest coordinate along an axis.
+pub(super) fn edges(all: &[f64], axis: usize, dim: usize) -> [f64; 2] {
+    let along = || all.iter().skip(axis).step_by(dim).copied();
+    [along().min_by(f64::total_cmp), along().max_by(f64::total_cmp)].map(Option::unwrap)
+}
+
 /// Returns the longest displacement of a particle between two frames; the diameter is 1.
 fn longest(a: &Given, b: &Given, dim: usize) -> f64 {
     let (a, b) = (coordinates(a), coordinates(b));
@@ -91,17 +97,13 @@ fn the_fastest_particle_has_about_the_given_speed() {
 #[test]
 fn walls_contain_all_particles_and_layers_keep_their_height() {
     let scene = scene("loose:dim=2,n=300");
-    let edges = |all: &[f64], axis: usize| {
-        let along = all.iter().skip(axis).step_by(2);
-        along.fold([f64::MAX, f64::MIN], |[low, high], &x| [low.min(x), high.max(x)])
-    };
     let first = coordinates(&scene);
     for kind in [Kind::Drift, Kind::Brownian] {
         let mut frames = Frames::new(&scene, motion(kind, 0.7)).unwrap();
         for k in [1, 10, 1000] {
             let frame = coordinates(&frames.at(k).unwrap());
             for axis in 0..2 {
-                let ([low, high], [l, h]) = (edges(&first, axis), edges(&frame, axis));
+                let ([low, high], [l, h]) = (edges(&first, axis, 2), edges(&frame, axis, 2));
                 assert!(low <= l && h <= high, "{kind:?} {k}: {low} {l} {h} {high}");
                 assert!(h - l > 0.9 * (high - low), "they spread over the box");
             }

@@ -4,38 +4,31 @@ use anyhow::{Context, bail, ensure};
 
 use super::{Header, any_header, particles, records};
 use crate::columns::counted::Counted;
-use crate::formats::Opened;
+use crate::formats::{Indexed, Opened};
 use crate::frames::{Choice, Reader, Step};
 use crate::particles::loaded;
 use crate::raw::lines::Source;
 use crate::{Loaded, Options};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
-    Box::new(Array { source, options, header: None, read: 0 })
+    Box::new(Indexed::<Header>::new(source, options))
 }
 
-struct Array<'a> {
-    source: Source<'a>,
-    options: Options,
-    header: Option<Header>,
-    read: u64,
-}
-
-impl Reader<Loaded> for Array<'_> {
+impl Reader<Loaded> for Indexed<'_, Header> {
     fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<Loaded>> {
-        let Array { source, options, header, read } = self;
-        let header = match header {
+        let Indexed { source, options, index, next } = self;
+        let header = match index {
             Some(header) => header,
             None => {
                 let read = any_header(source)?;
                 if read.fields.is_empty() {
                     read.of_rows(true).with_context(|| source.name.to_string())?;
                 }
-                header.insert(read)
+                index.insert(read)
             }
         };
-        while *read < header.frames.unwrap_or(1) {
-            let k = *read;
+        while *next < header.frames.unwrap_or(1) {
+            let k = *next;
             let step = match header.frames {
                 None => Step::Keep,
                 Some(_) => choice.begin(|| format!("{}: frame {k}", source.name))?,
@@ -43,7 +36,7 @@ impl Reader<Loaded> for Array<'_> {
             if step == Step::Stop {
                 return Ok(None);
             }
-            *read += 1;
+            *next += 1;
             if step == Step::Keep {
                 let frame = frame(source, header, *options);
                 if header.frames.is_none() {

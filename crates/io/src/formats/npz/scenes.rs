@@ -4,8 +4,8 @@ use anyhow::{Context, bail, ensure};
 
 use super::boxes::Cell;
 use super::members;
-use crate::formats::Opened;
 use crate::formats::npy::{self, Header};
+use crate::formats::{Indexed, Opened};
 use crate::frames::{Choice, Reader, Step};
 use crate::particles::{Column, Particles, loaded, unused_sizes};
 use crate::raw::arrays::one_of;
@@ -15,14 +15,7 @@ use crate::raw::scalars::{Ids, Kind, Size};
 use crate::{About, Chosen, Loaded, Notice, Options, RadiusSource};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
-    Box::new(Frames { source, options, scenes: None, next: 0 })
-}
-
-struct Frames<'a> {
-    source: Source<'a>,
-    options: Options,
-    scenes: Option<Scenes>,
-    next: u64,
+    Box::new(Indexed::<Scenes>::new(source, options))
 }
 
 struct Points {
@@ -48,17 +41,17 @@ struct Scenes {
     unused: Vec<Notice>,
 }
 
-impl Reader<Loaded> for Frames<'_> {
+impl Reader<Loaded> for Indexed<'_, Scenes> {
     fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<Loaded>> {
-        let Frames { source, options, scenes, next } = self;
+        let Indexed { source, options, index, next } = self;
         let name = source.name;
-        let scenes = match scenes {
+        let scenes = match index {
             Some(scenes) => scenes,
             None => {
                 let mut read = Scenes::default();
                 members(source, |member, file| read.member(member, file, *options))?;
                 read.settle(name, *options)?;
-                scenes.insert(read)
+                index.insert(read)
             }
         };
         let Some(count) = scenes.frames.as_ref().map(|points| points.frames) else {

@@ -1,25 +1,8 @@
 use super::*;
-use crate::spec::Spec;
+use crate::generate::tests::{ascending_radii as radii, make};
 use crate::stats::scene_hash;
-use contactbench_core::scene::{AnyScene, Radii, Real};
-use contactbench_core::with_scene;
 
 const SAND: &str = concat!(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."), "/examples/sand.csv");
-
-fn made(text: &str) -> AnyScene<'static> {
-    let spec = Spec::parse(text).and_then(|spec| spec.make());
-    spec.unwrap_or_else(|error| panic!("{text}: {error:#}"))
-}
-
-/// Returns the radii in ascending order, for a largest radius of 1.
-fn radii(text: &str) -> Vec<f64> {
-    with_scene!(&made(&format!("{text},diameter=2")), scene => {
-        let Radii::Each(radii) = scene.radii() else { panic!("{text}: one radius each") };
-        let mut radii: Vec<f64> = radii.iter().map(|r| r.wide()).collect();
-        radii.sort_by(f64::total_cmp);
-        radii
-    })
-}
 
 /// The volume of particles below each sieve size is the percentage of the curve.
 #[test]
@@ -62,7 +45,7 @@ fn a_gap_in_the_curve_is_a_gap_in_the_sizes() {
     assert_eq!((found[0], found[2999]), (0.0625, 1.0));
     assert!(found[2900] <= 0.125 && found[2990] >= 0.5);
     assert_eq!(radii("packed:n=1,sizes=grading,grading=1 0,2 100"), [1.0]);
-    assert!(made("packed:n=0,sizes=grading,grading=1 0,2 100").is_empty());
+    assert!(make("packed:n=0,sizes=grading,grading=1 0,2 100").is_empty());
     let wide = radii("loose:dim=3,n=1000,sizes=grading,grading=1e-50 0,1e50 100");
     assert!(wide.iter().all(|r| (1e-100..=1.0).contains(r)) && wide[999] == 1.0);
 }
@@ -70,8 +53,8 @@ fn a_gap_in_the_curve_is_a_gap_in_the_sizes() {
 /// Radii have the same bits on every machine, from a file and from its points.
 #[test]
 fn the_bits_are_fixed() {
-    let scene = made(&format!("loose:dim=3,n=1000,sizes=grading,grading={SAND}"));
+    let scene = make(&format!("loose:dim=3,n=1000,sizes=grading,grading={SAND}"));
     let points = "0.1 0,0.2 12,0.425 38,0.85 71,1.18 86,2 100";
-    assert_eq!(scene, made(&format!("loose:dim=3,n=1000,sizes=grading,grading={points}")));
+    assert_eq!(scene, make(&format!("loose:dim=3,n=1000,sizes=grading,grading={points}")));
     assert_eq!(scene_hash(&scene), "0xb7e3b8fdc4884511");
 }
