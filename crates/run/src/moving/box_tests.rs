@@ -43,6 +43,13 @@ fn checked(frames: &[Given], trackers: &[&str], check: Check) -> Followed {
     follow(|k| Ok(frames.get(k as usize).cloned()), &question).unwrap()
 }
 
+/// Returns the first `count` frames of a motion that starts at the scene of the spec `text`.
+fn motion(text: &str, count: u64, motion: Motion) -> Vec<Given> {
+    let scene = Spec::parse(text).unwrap().given().unwrap();
+    let mut frames = Frames::new(&scene, motion).unwrap();
+    (0..count).map(|k| frames.at(k).unwrap()).collect()
+}
+
 /// Tests detection in every frame, lists that must not miss contacts, and a list that may.
 #[test]
 fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
@@ -62,9 +69,7 @@ fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
         "loose:dim=3,n=60,fraction=0.4,periodic=yz,size-ratio=3",
     ] {
         for kind in [Kind::Rest, Kind::Drift, Kind::Shear, Kind::Jitter, Kind::Brownian] {
-            let scene = Spec::parse(text).unwrap().given().unwrap();
-            let mut frames = Frames::new(&scene, Motion { kind, speed: 0.11, seed: 3 }).unwrap();
-            let frames: Vec<Given> = (0..19).map(|k| frames.at(k).unwrap()).collect();
+            let frames = motion(text, 19, Motion { kind, speed: 0.11, seed: 3 });
             let Followed { moved, trackers, .. } = followed(&frames, &trackers);
             assert_eq!((moved.frames, &moved.uncounted), (19, &None), "{text} {kind:?}");
             let changes = moved.born + moved.ended;
@@ -93,11 +98,8 @@ fn a_sample_finds_what_its_particles_miss() {
         "loose:dim=2,n=400,fraction=0.5,periodic=true,tilt=0.4",
         "loose:dim=3,n=500,fraction=0.4,periodic=yz",
     ] {
-        let scene = Spec::parse(text).unwrap().given().unwrap();
-        let motion = Motion { kind: Kind::Drift, speed: 0.11, seed: 3 };
-        let mut frames = Frames::new(&scene, motion).unwrap();
-        let frames: Vec<Given> = (0..19).map(|k| frames.at(k).unwrap()).collect();
-        let n = scene.scene.len();
+        let frames = motion(text, 19, Motion { kind: Kind::Drift, speed: 0.11, seed: 3 });
+        let n = frames[0].scene.len();
         let all = followed(&frames, &trackers);
         let told = |it: &Followed| {
             let of = |it: &Tracked| (it.late.clone(), it.spurious, it.builds, it.reported);
@@ -129,10 +131,8 @@ fn a_sample_finds_what_its_particles_miss() {
 /// however far they move.
 #[test]
 fn a_list_serves_a_box_that_is_sheared() {
-    let scene = Spec::parse("loose:dim=3,n=500,fraction=0.3,periodic=true").unwrap();
-    let motion = Motion { kind: Kind::Shear, speed: 0.02, seed: 1 };
-    let mut frames = Frames::new(&scene.given().unwrap(), motion).unwrap();
-    let frames: Vec<Given> = (0..40).map(|k| frames.at(k).unwrap()).collect();
+    let shear = Motion { kind: Kind::Shear, speed: 0.02, seed: 1 };
+    let frames = motion("loose:dim=3,n=500,fraction=0.3,periodic=true", 40, shear);
     let followed = followed(&frames, &["verlet(nbs,rule=top-two,skin=0.2)"]);
     assert_eq!(followed.trackers[0].builds.built, 1);
 }

@@ -86,19 +86,4 @@ mod tests {
             assert!(experiment.planned.quick.len() <= 16, "{name}: a quick run has few scenes");
         }
     }
-
-    #[test]
-    fn experiments_of_committed_records_are_still_read() {
-        let mut count = 0;
-        for folder in crate::committed::committed() {
-            let Ok(files) = std::fs::read_dir(folder.join("experiments")) else { continue };
-            for file in files {
-                let path = file.unwrap().path();
-                let copy = plan::text_of(&path).and_then(|text| plan::parse_copy(&text));
-                copy.unwrap_or_else(|error| panic!("{}: {error:#}", path.display()));
-                count += 1;
-            }
-        }
-        assert!(count > 5, "{count}");
-    }
 }

@@ -24,150 +24,103 @@ fn refused(tail: &str, place: &str, words: &str) {
     );
 }
 
+/// Checks rows of `tail => place => words`. `head` goes before each tail, and `;` in a tail stands
+/// for a line break. An indented line continues the row above.
+fn all_refused(head: &str, rows: &str) {
+    for row in rows.trim().replace("\n    ", " ").lines() {
+        let [tail, place, words] = row.split("=>").map(str::trim).collect::<Vec<_>>()[..] else {
+            panic!("not three columns: {row}")
+        };
+        refused(&format!("{head}{}\n", tail.replace("; ", "\n")), place, words);
+    }
+}
+
 #[test]
 fn errors_are_one_line_with_a_place() {
-    for (tail, place, words) in [
-        ("blocks = ", "line 6, column 10", ""),
-        ("blocks = 3 4\n", "line 6, column 10", ""),
-        ("[[scene]\nname = 1\n", "line 6,", ""),
-        (
-            "block = 3\nscene = []\n",
-            "line 6, column 1",
-            "there is no key 'block' (did you mean blocks?); there are: name",
-        ),
-        (
-            "blocks = \"three\"\nscene = []\n",
-            "line 6, column 10",
-            "the text \"three\" stands where a whole number of at least 0 is expected",
-        ),
-        ("title = \"u\"\nscene = []\n", "line 6, column 1", "duplicate key"),
-        ("", "", "scene is missing: give a [[scene]]"),
-        (
-            "arithmetics = [\"exacd\"]\nscene = []\n",
-            "line 6, column 16",
-            "no value 'exacd' here (did you mean exact?)",
-        ),
-        ("[scene]\nname = \"packed\"\n", "line 6, column 2", "write [[scene]]"),
-        ("detector = [\"nbs\"]\n", "line 6, column 1", "did you mean detectors?"),
-        ("threads = 0\nscene = []\n", "line 6, column 1", "threads = 0"),
-        ("scene = 3\n", "line 6, column 9", "3 stands where a list in brackets"),
-        ("scene = [3]\n", "line 6, column 10", "3 stands where a table"),
-    ] {
-        refused(tail, place, words);
-    }
-    refused("scene = []\nratios-to = \"sorting\"\n", "line 7, column 1", "must be one of");
-    let text = HEAD.replace("\"nbs\"", "\"nsb\"") + "scene = []\n";
-    let words = error(&text);
+    let rows = r#"
+blocks = 3 4 => line 6, column 10 =>
+[[scene]; name = 1 => line 6, =>
+block = 3; scene = [] => line 6, column 1
+    => there is no key 'block' (did you mean blocks?); there are: name
+blocks = "three"; scene = [] => line 6, column 10
+    => the text "three" stands where a whole number of at least 0 is expected
+title = "u"; scene = [] => line 6, column 1 => duplicate key
+arithmetics = ["exacd"]; scene = [] => line 6, column 16
+    => no value 'exacd' here (did you mean exact?)
+[scene]; name = "packed" => line 6, column 2 => write [[scene]]
+detector = ["nbs"] => line 6, column 1 => did you mean detectors?
+threads = 0; scene = [] => line 6, column 1 => threads = 0
+scene = 3 => line 6, column 9 => 3 stands where a list in brackets
+scene = [3] => line 6, column 10 => 3 stands where a table
+scene = []; ratios-to = "sorting" => line 7, column 1 => must be one of
+[[scene]]; n = 5 => line 6: there is no scene '' =>
+"#;
+    all_refused("", rows);
+    refused("blocks = ", "line 6, column 10", "");
+    refused("", "", "scene is missing: give a [[scene]]");
+    let words = error(&(HEAD.replace("\"nbs\"", "\"nsb\"") + "scene = []\n"));
     assert!(words.starts_with("line 5, column 1: there is no detector 'nsb'"), "{words}");
     assert!(words.contains(" (did you mean nbs?)"), "{words}");
 }
 
 #[test]
 fn scenes_are_refused_with_their_line() {
-    for (scene, place, words) in [
-        ("n = [1, \"a\"]", "line 8, column 9", "the text \"a\" stands where a whole number"),
-        ("n = \"a\"", "line 8, column 5", "a whole number of at least 0 is expected"),
-        ("n = -1", "line 8, column 5", "-1 stands where a whole number of at least 0"),
-        ("n = 1979-05-27", "line 8, column 5", "a value or a list of values is expected"),
-        (
-            "n = 5\norder = \"up\"",
-            "line 6: scene packed: order is 'up'",
-            "must be shuffled, generated",
-        ),
-        ("n = 5\nquick.n = \"x\"", "line 9, column 11", "a whole number"),
-        ("n = 5\nquick = 3", "line 9, column 9", "3 stands where a table"),
-        (
-            "n = 5\nspcing = 1",
-            "line 6: packed: there is no parameter 'spcing' (did you mean spacing?)",
-            "size-ratio",
-        ),
-        ("n = 5\nsed = 1", "line 6: packed:", "did you mean seed?"),
-        ("n = 5\nquick.jitter = -1", "line 6: packed: jitter is -1", "at least 0"),
-        ("n = 5\nparams = 5", "line 6: packed: there is no parameter 'params'", ""),
-        ("", "line 6: scene packed: n is missing", ""),
-        ("n = [5, 5]", "line 6: scene packed stands there twice", ""),
-    ] {
-        refused(&format!("[[scene]]\nname = \"packed\"\n{scene}\n"), place, words);
-    }
-    refused("[[scene]]\nn = 5\n", "line 6: there is no scene ''", "");
+    let rows = r#"
+n = [1, "a"] => line 8, column 9 => the text "a" stands where a whole number
+n = "a" => line 8, column 5 => a whole number of at least 0 is expected
+n = -1 => line 8, column 5 => -1 stands where a whole number of at least 0
+n = 1979-05-27 => line 8, column 5 => a value or a list of values is expected
+n = 5; order = "up" => line 6: scene packed: order is 'up' => must be shuffled, generated
+n = 5; quick.n = "x" => line 9, column 11 => a whole number
+n = 5; quick = 3 => line 9, column 9 => 3 stands where a table
+n = 5; spcing = 1 => line 6: packed: there is no parameter 'spcing' (did you mean spacing?)
+    => size-ratio
+n = 5; sed = 1 => line 6: packed: => did you mean seed?
+n = 5; quick.jitter = -1 => line 6: packed: jitter is -1 => at least 0
+n = 5; params = 5 => line 6: packed: there is no parameter 'params' =>
+=> line 6: scene packed: n is missing =>
+n = [5, 5] => line 6: scene packed stands there twice =>
+"#;
+    all_refused("[[scene]]\nname = \"packed\"\n", rows);
 }
 
 #[test]
-fn a_claim_takes_the_keys_of_its_kind() {
-    for (claim, place, words) in [
-        (
-            "kind = \"at-most\"\nvalue = \"n\"\nto = \"1\"\nwithin = 0.1",
-            "line 12, column 1",
-            "a claim of kind at-most has no key 'within'; it takes value, \
-             to, than, and like every claim name, kind, where, set, source",
-        ),
-        (
-            "kind = \"constant\"\nvalue = \"n\"\nwithn = 1",
-            "line 11, column 1",
-            "has no key 'withn' (did you mean within?)",
-        ),
-        ("kind = \"faster\"\nvalue = \"n\"", "line 10, column 1", "it takes than, by, and"),
-        (
-            "kind = \"constnt\"",
-            "line 9, column 8",
-            "no such kind of claim (did you mean constant?); the kinds are: constant, equal",
-        ),
-        ("value = \"n\"", "line 7, column 1", "the claim has no kind; the kinds are: constant,"),
-        ("kind = \"equal\"\nvalue = \"n\"", "line 9, column 8", "the key 'to' is missing"),
-        (
-            "kind = \"equal\"\nvalue = \"n\"\nto = \"n / / 2\"",
-            "line 11, column 6",
-            "cannot read the expression 'n / / 2': at column 5,",
-        ),
-        (
-            "kind = \"constant\"\nvalue = \"n\"\nwithin = -0.5",
-            "line 11, column 10",
-            "within is -0.5; it must be a finite number of at least 0",
-        ),
-        ("kind = \"constant\"\nvalue = \"n\"\nwithin = nan", "line 11, column 10", "finite"),
-        (
-            "kind = \"model\"\nvalue = \"n\"\nmodel = \"N^3\"",
-            "line 11, column 9",
-            "unknown model 'N^3'; the models are: N, N log N, N^2",
-        ),
-        (
-            "kind = \"model\"\nvalue = \"time_ns\"\nmodel = \"N\"",
-            "line 10, column 9",
-            "fitted to counts or bytes",
-        ),
-    ] {
-        refused(&format!("scene = []\n[[claim]]\nname = \"c\"\n{claim}\n"), place, words);
-    }
-}
-
-#[test]
-fn a_figure_takes_the_keys_of_its_kind() {
-    const LINES: &str = "x = \"s\"\nx-label = \"s\"\ny = \"n\"\ny-label = \"n\"\n";
-    for (figure, place, words) in [
-        (
-            "kind = \"speed-error\"\nx = \"n\"",
-            "line 11, column 1",
-            "a figure of kind speed-error has no key 'x'",
-        ),
-        (
-            &format!("{LINES}against = \"given\""),
-            "line 14, column 1",
-            "a figure of kind lines has no key 'against'",
-        ),
-        (
-            "kind = \"speed-error\"\nagainst = \"all\"",
-            "line 11, column 11",
-            "no value 'all' here; there are: given, stored",
-        ),
-        ("kind = \"pie\"", "line 10, column 8", "the kinds are: lines, bars, speed-error"),
-        ("x = \"n\"", "line 7, column 1", "the key 'x-label' is missing"),
-        (&format!("{LINES}caches = true"), "line 7, column 1", "the figure f has caches = true"),
-        (&format!("{LINES}slopes = true"), "line 7, column 1", "the figure f has slopes = true"),
-        (&LINES.replace("\"n\"", "\"n +\""), "line 12, column 5", "at column 4"),
-    ] {
-        let head = "scene = []\n[[figure]]\nname = \"f\"\ntitle = \"F\"\n";
-        refused(&format!("{head}{figure}\n"), place, words);
-    }
+fn claims_and_figures_take_the_keys_of_their_kind() {
+    let claims = r#"
+kind = "at-most"; value = "n"; to = "1"; within = 0.1 => line 12, column 1
+    => a claim of kind at-most has no key 'within'; it takes value,
+    to, than, and like every claim name, kind, where, set, source
+kind = "constant"; value = "n"; withn = 1 => line 11, column 1
+    => has no key 'withn' (did you mean within?)
+kind = "faster"; value = "n" => line 10, column 1 => it takes than, by, and
+kind = "constnt" => line 9, column 8
+    => no such kind of claim (did you mean constant?); the kinds are: constant, equal
+value = "n" => line 7, column 1 => the claim has no kind; the kinds are: constant,
+kind = "equal"; value = "n" => line 9, column 8 => the key 'to' is missing
+kind = "equal"; value = "n"; to = "n / / 2" => line 11, column 6
+    => cannot read the expression 'n / / 2': at column 5,
+kind = "constant"; value = "n"; within = -0.5 => line 11, column 10
+    => within is -0.5; it must be a finite number of at least 0
+kind = "constant"; value = "n"; within = nan => line 11, column 10 => finite
+kind = "model"; value = "n"; model = "N^3" => line 11, column 9
+    => unknown model 'N^3'; the models are: N, N log N, N^2
+kind = "model"; value = "time_ns"; model = "N" => line 10, column 9 => fitted to counts or bytes
+"#;
+    all_refused("scene = []\n[[claim]]\nname = \"c\"\n", claims);
+    let figures = r#"
+kind = "speed-error"; x = "n" => line 11, column 1 => a figure of kind speed-error has no key 'x'
+LINES; against = "given" => line 14, column 1 => a figure of kind lines has no key 'against'
+kind = "speed-error"; against = "all" => line 11, column 11
+    => no value 'all' here; there are: given, stored
+kind = "pie" => line 10, column 8 => the kinds are: lines, bars, speed-error
+x = "n" => line 7, column 1 => the key 'x-label' is missing
+LINES; caches = true => line 7, column 1 => the figure f has caches = true
+LINES; slopes = true => line 7, column 1 => the figure f has slopes = true
+x = "s"; x-label = "s"; y = "n +"; y-label = "n +" => line 12, column 5 => at column 4
+"#;
+    let lines = r#"x = "s"; x-label = "s"; y = "n"; y-label = "n""#;
+    let figures = figures.replace("LINES", lines);
+    all_refused("scene = []\n[[figure]]\nname = \"f\"\ntitle = \"F\"\n", &figures);
 }
 
 #[test]
@@ -200,8 +153,7 @@ fn plans_are_bounded_before_they_are_made() {
     let [whole, broken] = ["", ".5"].map(list);
     let lists = format!("n = [{whole}]\nseed = [{whole}]\nspacing = [{broken}]\n");
     let plan = |detectors: &str, rest: &str| {
-        let head = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";
-        let text = format!("{head}detectors = [{detectors}]\n{rest}");
+        let text = HEAD.replace("\"nbs\"", detectors) + rest;
         parse(&text, Path::new(".")).map(|_| ()).map_err(|error| format!("{error:#}"))
     };
     let packed = "[[scene]]\nname = \"loose\"\n";
@@ -248,19 +200,23 @@ fn files_are_taken_from_the_folder_of_the_experiment() {
     assert_eq!(curves, ["/home/a/sand.csv", "1 0, 2 100"]);
 }
 
-/// Committed records are complete, except for rows of software that was not installed.
+/// The experiments of all committed records can still be read. The records are complete, except
+/// for rows of software that was not installed.
 #[test]
 fn the_committed_records_are_whole() {
     let mut seen = 0;
     for folder in crate::committed::committed() {
-        let Ok(record) = contactbench_record::record::row::read(&folder.join("samples.jsonl"))
-        else {
+        let record = contactbench_record::record::row::read(&folder.join("samples.jsonl"));
+        let Ok(copies) = std::fs::read_dir(folder.join("experiments")) else {
+            assert!(record.is_err(), "{}: there are no experiments", folder.display());
             continue;
         };
-        let cells = cells::cells(&record.rows);
-        for copy in std::fs::read_dir(folder.join("experiments")).unwrap() {
-            let text = crate::plan::text_of(&copy.unwrap().path()).unwrap();
-            let experiment = crate::plan::parse_copy(&text).unwrap();
+        let cells = record.as_ref().ok().map(|record| cells::cells(&record.rows));
+        for copy in copies {
+            let path = copy.unwrap().path();
+            let copy = crate::plan::text_of(&path).and_then(|text| crate::plan::parse_copy(&text));
+            let experiment = copy.unwrap_or_else(|error| panic!("{}: {error:#}", path.display()));
+            let Some(cells) = &cells else { continue };
             let own: Vec<&Cell> =
                 cells.iter().filter(|cell| cell.id.experiment == experiment.name).collect();
             let summary = Coverage::new(&experiment, &own, &Scope::default()).summary();

@@ -9,10 +9,11 @@ use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
 use contactbench_core::scene::Radii;
 use contactbench_core::with_scene;
 
-/// One common mistake; `tries` passes on the contacts that each variant of it would give.
+/// Common mistakes of one kind. Each function passes on the contacts that the variants of one
+/// mistake would give.
 pub(super) struct Row {
     pub kind: Kind,
-    pub tries: fn(&Search<'_>, At<'_>, Each<'_>),
+    pub tries: &'static [fn(&Search<'_>, At<'_>, Each<'_>)],
 }
 
 /// Receives a mistake with the contacts that it would give; returns whether to try more.
@@ -34,20 +35,13 @@ pub(super) struct At<'a> {
     pub truth: &'a Contacts,
 }
 
-pub(super) const ROWS: [Row; 13] = [
-    Row { kind: Kind::Tie, tries: strict },
-    Row { kind: Kind::Part, tries: open },
-    Row { kind: Kind::Part, tries: without_own },
-    Row { kind: Kind::Part, tries: nearest },
-    Row { kind: Kind::Tie, tries: rounded },
-    Row { kind: Kind::Size, tries: doubled },
-    Row { kind: Kind::Size, tries: skin },
-    Row { kind: Kind::Size, tries: larger },
-    Row { kind: Kind::Size, tries: halved },
-    Row { kind: Kind::Size, tries: smaller },
-    Row { kind: Kind::Box, tries: straight },
-    Row { kind: Kind::Box, tries: other_axes },
-    Row { kind: Kind::Box, tries: guessed },
+/// The mistakes in the order in which they are tried.
+pub(super) const ROWS: [Row; 5] = [
+    Row { kind: Kind::Tie, tries: &[strict] },
+    Row { kind: Kind::Part, tries: &[open, without_own, nearest] },
+    Row { kind: Kind::Tie, tries: &[rounded] },
+    Row { kind: Kind::Size, tries: &[doubled, skin, larger, halved, smaller] },
+    Row { kind: Kind::Box, tries: &[straight, other_axes, guessed] },
 ];
 
 fn open(_: &Search<'_>, at: At<'_>, each: Each<'_>) {

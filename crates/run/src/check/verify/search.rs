@@ -115,18 +115,20 @@ impl<'a> Search<'a> {
                 _ if before.is_empty() => u64::MAX,
                 _ => 0,
             };
-            let mut better = Vec::new();
-            (row.tries)(self, at, &mut |mistake, contacts| {
-                let found = self.against(self.job.space, &contacts).hold(&self.listing);
-                let wrong = found.errors.wrong() + self.listing.faults();
-                better.push((mistake, wrong));
-                wrong > 0
-            });
-            for (mistake, wrong) in better.into_iter().filter(|(_, wrong)| *wrong <= most) {
-                self.consider(before, mistake, wrong);
-            }
-            if self.best.wrong == 0 {
-                return;
+            for tries in row.tries {
+                let mut better = Vec::new();
+                tries(self, at, &mut |mistake, contacts| {
+                    let found = self.against(self.job.space, &contacts).hold(&self.listing);
+                    let wrong = found.errors.wrong() + self.listing.faults();
+                    better.push((mistake, wrong));
+                    wrong > 0
+                });
+                for (mistake, wrong) in better.into_iter().filter(|(_, wrong)| *wrong <= most) {
+                    self.consider(before, mistake, wrong);
+                }
+                if self.best.wrong == 0 {
+                    return;
+                }
             }
         }
         if small && before.is_empty() && self.largest() < TANGENT {

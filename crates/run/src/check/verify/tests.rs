@@ -32,17 +32,19 @@ fn ask(
     naming: &Naming,
     others: &[Naming],
     allowed: Allowed,
+    declared: Option<&Periodic<'_>>,
 ) -> (Verification, Option<Reading>) {
     let (arithmetic, memory_limit) = (Arithmetic::Exact, 1 << 30);
     let terms = Terms { arithmetic, allowed, memory_limit, kept: WORST, without: None };
     let job = Job { space, list, naming, others, terms };
     let found = verify(&job).unwrap();
-    let reading = explain(&job, &found, None).unwrap();
+    let reading = explain(&job, &found, declared).unwrap();
     (found, reading)
 }
 
 fn of_row(pairs: &[NamedPair], naming: &Naming, allowed: Allowed) -> Verification {
-    ask(&in_open_space(&row()).unwrap(), Listed { pairs, images: None }, naming, &[], allowed).0
+    ask(&in_open_space(&row()).unwrap(), Listed { pairs, images: None }, naming, &[], allowed, None)
+        .0
 }
 
 fn in_box(
@@ -52,7 +54,7 @@ fn in_box(
     allowed: Allowed,
 ) -> (Verification, Option<Reading>) {
     let others = [Naming::Base(1)];
-    ask(periodic, Listed { pairs, images }, &Naming::Base(0), &others, allowed)
+    ask(periodic, Listed { pairs, images }, &Naming::Base(0), &others, allowed, None)
 }
 
 fn counts(found: &Verification) -> [u64; 4] {
@@ -118,7 +120,7 @@ fn usual_mistakes_are_recognised_alone_and_together() {
     let others = [Naming::Base(1), ids];
     let read = |scene: &AnyScene<'_>, pairs: &[NamedPair]| {
         let list = Listed { pairs, images: None };
-        ask(&in_open_space(scene).unwrap(), list, &Naming::Base(0), &others, GIVEN).1
+        ask(&in_open_space(scene).unwrap(), list, &Naming::Base(0), &others, GIVEN, None).1
     };
     let one = Mistake::Numbers(Meaning::Base(1));
     for (scene, list, mistakes) in [
@@ -251,13 +253,9 @@ fn a_skin_is_recognised_together_with_another_box() {
     let Reading { mistakes, wrong, .. } = in_box(&boxed, &list, None, GIVEN).1.unwrap();
     assert!(skin(&mistakes) && mistakes[1..] == [Mistake::Open] && wrong == 0, "{mistakes:?}");
     let (open, list) = (in_open_space(&pack).unwrap(), apart(&pack, 1.2, 6.0));
-    let (space, naming) = (&open, &Naming::Base(0));
-    let (arithmetic, memory_limit) = (Arithmetic::Exact, 1 << 30);
-    let terms = Terms { arithmetic, allowed: GIVEN, memory_limit, kept: WORST, without: None };
     let list = Listed { pairs: &list, images: None };
-    let job = Job { space, list, naming, others: &[], terms };
-    let reading = explain(&job, &verify(&job).unwrap(), Some(&boxed)).unwrap().unwrap();
-    let Reading { mistakes, wrong, .. } = reading;
+    let (_, reading) = ask(&open, list, &Naming::Base(0), &[], GIVEN, Some(&boxed));
+    let Reading { mistakes, wrong, .. } = reading.unwrap();
     assert_eq!((mistakes[0], wrong), (Mistake::Declared([true; 3]), 0));
     assert!(skin(&mistakes[1..]), "{mistakes:?}");
 }

@@ -261,9 +261,8 @@ mod tests {
     #[test]
     fn memory_is_what_can_be() {
         let memory = |peak_bytes, live_bytes, allocations| {
-            Reply::Memory(
-                Memory { peak_bytes, live_bytes, allocations, ..Memory::default() }.into(),
-            )
+            let memory = Memory { peak_bytes, live_bytes, allocations, ..Memory::default() };
+            Reply::Memory(memory.into())
         };
         for (peak, live, allocations, words) in [
             (0, 0, 0, ""),
