@@ -34,9 +34,6 @@ impl<const WAY: u8> Declare for Mutant<WAY> {
     fn with(_: Options) -> Self {
         Mutant { calls: 0 }
     }
-    fn formula_bytes(&self) -> u64 {
-        0
-    }
 }
 
 impl<T: Real, const D: usize, const WAY: u8> Detector<T, D> for Mutant<WAY> {

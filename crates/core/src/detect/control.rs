@@ -17,10 +17,6 @@ impl Declare for Nothing {
     fn with(_: Options) -> Nothing {
         Nothing
     }
-
-    fn formula_bytes(&self) -> u64 {
-        0
-    }
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Nothing {

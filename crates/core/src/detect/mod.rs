@@ -53,8 +53,10 @@ pub trait Declare: Send {
         Self: Sized;
 
     /// Returns the bytes that the memory formula in the detector's documentation gives for the last
-    /// scene.
-    fn formula_bytes(&self) -> u64;
+    /// scene; 0 if it has none.
+    fn formula_bytes(&self) -> u64 {
+        0
+    }
 }
 
 /// Limits that hold for any detector.

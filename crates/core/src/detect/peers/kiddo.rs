@@ -8,36 +8,23 @@
 
 use ::kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-use super::{KIDDO, positions, squared_reach};
+use super::KIDDO;
+use super::library::{Library, squared_reach};
 use crate::contact::Bodies;
-use crate::detect::{Declare, Detector, Options, Refusal};
-use crate::probe::Probe;
+use crate::detect::Refusal;
 use crate::scene::Real;
-use crate::sink::Sink;
 
-/// The detector of this module, in `D` dimensions: it queries the tree once per particle.
-pub struct Kiddo<const D: usize>(Vec<[f64; D]>);
+/// The library of this module.
+pub struct Kiddo;
 
-impl<const D: usize> Declare for Kiddo<D> {
-    fn with(_: Options) -> Kiddo<D> {
-        Kiddo(Vec::new())
-    }
-
-    fn formula_bytes(&self) -> u64 {
-        0
-    }
-}
-
-impl<T: Real, const D: usize> Detector<T, D> for Kiddo<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
-        &mut self,
-        bodies: B,
-        probe: &mut P,
-        sink: &mut S,
+impl<const D: usize> Library<D> for Kiddo {
+    fn pairs<T: Real>(
+        points: &[[f64; D]],
+        bodies: &impl Bodies<T, D>,
+        mut near: impl FnMut(u32, u32),
     ) -> Result<(), Refusal> {
-        positions(&bodies, &mut self.0);
-        let square = squared_reach(KIDDO.name, &bodies, &self.0)?;
-        let tree = ImmutableKdTree::<f64, D>::new_from_slice(&self.0).map_err(|error| {
+        let square = squared_reach(KIDDO.name, bodies, points)?;
+        let tree = ImmutableKdTree::<f64, D>::new_from_slice(points).map_err(|error| {
             Refusal::Library { detector: KIDDO.name, reason: error.to_string() }
         })?;
         let mut scratch = tree.create_scratch::<SquaredEuclidean<f64>>();
@@ -49,8 +36,8 @@ impl<T: Real, const D: usize> Detector<T, D> for Kiddo<D> {
                 .without_distances();
             query.with_scratch(&mut scratch).visit(|found| {
                 let j = found.item;
-                if i < j && bodies.touch(i, j, probe) {
-                    sink.contact(i, j);
+                if i < j {
+                    near(i, j);
                 }
             });
         }

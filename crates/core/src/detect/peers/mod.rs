@@ -16,18 +16,13 @@ pub mod kd_tree;
 #[cfg(feature = "peers")]
 pub mod kiddo;
 #[cfg(feature = "peers")]
+pub mod library;
+#[cfg(feature = "peers")]
 pub mod parry;
 #[cfg(feature = "peers")]
 pub mod rstar;
 #[cfg(feature = "peers")]
 pub mod zelll;
-
-#[cfg(feature = "peers")]
-use super::Refusal;
-#[cfg(feature = "peers")]
-use crate::contact::Bodies;
-#[cfg(feature = "peers")]
-use crate::scene::Real;
 
 /// Description of a peer, available even if the peer is not compiled in.
 #[derive(Debug, PartialEq, Eq)]
@@ -94,45 +89,4 @@ pub fn missing(name: &str) -> Option<String> {
              --release --features peers -- ...`"
         )
     })
-}
-
-#[cfg(feature = "peers")]
-fn positions<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, points: &mut Vec<[f64; D]>) {
-    points.clear();
-    points.extend((0..bodies.len() as u32).map(|i| bodies.position(i)));
-}
-
-/// Returns the bounding box of the points, or the origin if there are none.
-#[cfg(feature = "peers")]
-fn bounds<const D: usize>(points: &[[f64; D]]) -> [[f64; D]; 2] {
-    let first = points.first().copied().unwrap_or([0.0; D]);
-    points.iter().fold([first; 2], |[low, high], p| {
-        [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
-    })
-}
-
-/// Returns the squared search distance for libraries that prune and decide by squares. It is at
-/// least the square that such a library computes for any pair that `touch` accepts.
-///
-/// A square computed directly is off by 6u, with u = 2^-53 ([`crate::filter`], section 5). Trees
-/// that update the distance to a box at every level may be off by a few u per level. The factor
-/// 2^-40 covers thousands of levels at no cost; the added 2^-960 covers underflow. If squares
-/// overflow, trees may compute infinity minus infinity: such scenes are refused.
-#[cfg(feature = "peers")]
-fn squared_reach<T: Real, const D: usize>(
-    detector: &'static str,
-    bodies: &impl Bodies<T, D>,
-    points: &[[f64; D]],
-) -> Result<f64, Refusal> {
-    const PART: f64 = 1.0 / (1u64 << 40) as f64;
-    // 2^-960, from its bits.
-    let least = f64::from_bits((1023 - 960) << 52);
-    let [low, high] = bounds(points);
-    let farthest: f64 = (0..D).map(|k| (high[k] - low[k]) * (high[k] - low[k])).sum();
-    let square = bodies.reach() * bodies.reach() * (1.0 + PART) + least;
-    if (farthest + square) * 16.0 < f64::INFINITY {
-        return Ok(square);
-    }
-    let reason = "squares of distances in this scene overflow; scale it down, or use direct".into();
-    Err(Refusal::Library { detector, reason })
 }

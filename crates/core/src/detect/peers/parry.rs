@@ -6,45 +6,32 @@
 //! yields each pair of overlapping boxes once. Such boxes lose no pair ([`crate::filter`], section
 //! 2).
 
-use super::{PARRY, positions, squared_reach};
+use super::PARRY;
+use super::library::{Library, squared_reach};
 use crate::contact::Bodies;
-use crate::detect::{Declare, Detector, Options, Refusal};
+use crate::detect::Refusal;
 use crate::filter::interval;
-use crate::probe::Probe;
 use crate::scene::Real;
-use crate::sink::Sink;
 
-/// The detector of this module, in `D` dimensions: it traverses the tree against itself.
-pub struct Parry<const D: usize>(Vec<[f64; D]>);
-
-impl<const D: usize> Declare for Parry<D> {
-    fn with(_: Options) -> Parry<D> {
-        Parry(Vec::new())
-    }
-
-    fn formula_bytes(&self) -> u64 {
-        0
-    }
-}
+/// The library of this module.
+pub struct Parry;
 
 // The library has one crate per dimension.
 macro_rules! detector {
     ($d:literal, $parry:ident) => {
-        impl<T: Real> Detector<T, $d> for Parry<$d> {
-            fn detect<B: Bodies<T, $d>, P: Probe, S: Sink>(
-                &mut self,
-                bodies: B,
-                probe: &mut P,
-                sink: &mut S,
+        impl Library<$d> for Parry {
+            fn pairs<T: Real>(
+                points: &[[f64; $d]],
+                bodies: &impl Bodies<T, $d>,
+                mut near: impl FnMut(u32, u32),
             ) -> Result<(), Refusal> {
                 use $parry::bounding_volume::Aabb;
                 use $parry::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
-                positions(&bodies, &mut self.0);
                 // Called only to refuse large scenes, because volumes of boxes must not overflow.
-                squared_reach(PARRY.name, &bodies, &self.0)?;
+                squared_reach(PARRY.name, bodies, points)?;
                 let slack = bodies.slack();
-                let boxes = self.0.iter().zip(0..).map(|(point, id)| {
+                let boxes = points.iter().zip(0..).map(|(point, id)| {
                     // At least half of the reach to any particle of this size or smaller.
                     let half = slack.reach(bodies.radius(id), bodies.radius(id)) / 2.0;
                     let [low, high] =
@@ -55,9 +42,7 @@ macro_rules! detector {
                 tree.traverse_bvtt_single_tree::<false>(
                     &mut BvhWorkspace::default(),
                     &mut |i, j| {
-                        if bodies.touch(i, j, probe) {
-                            sink.contact(i, j);
-                        }
+                        near(i, j);
                     },
                 );
                 Ok(())

@@ -6,43 +6,30 @@
 use ::rstar::RTree;
 use ::rstar::primitives::GeomWithData;
 
-use super::{RSTAR, positions, squared_reach};
+use super::RSTAR;
+use super::library::{Library, squared_reach};
 use crate::contact::Bodies;
-use crate::detect::{Declare, Detector, Options, Refusal};
-use crate::probe::Probe;
+use crate::detect::Refusal;
 use crate::scene::Real;
-use crate::sink::Sink;
 
-/// The detector of this module, in `D` dimensions: it queries the tree once per particle.
-pub struct Rstar<const D: usize>(Vec<[f64; D]>);
+/// The library of this module.
+pub struct Rstar;
 
-impl<const D: usize> Declare for Rstar<D> {
-    fn with(_: Options) -> Rstar<D> {
-        Rstar(Vec::new())
-    }
-
-    fn formula_bytes(&self) -> u64 {
-        0
-    }
-}
-
-impl<T: Real, const D: usize> Detector<T, D> for Rstar<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
-        &mut self,
-        bodies: B,
-        probe: &mut P,
-        sink: &mut S,
+impl<const D: usize> Library<D> for Rstar {
+    fn pairs<T: Real>(
+        points: &[[f64; D]],
+        bodies: &impl Bodies<T, D>,
+        mut near: impl FnMut(u32, u32),
     ) -> Result<(), Refusal> {
-        positions(&bodies, &mut self.0);
-        let square = squared_reach(RSTAR.name, &bodies, &self.0)?;
+        let square = squared_reach(RSTAR.name, bodies, points)?;
         let tree = RTree::bulk_load(
-            self.0.iter().zip(0u32..).map(|(&point, i)| GeomWithData::new(point, i)).collect(),
+            points.iter().zip(0u32..).map(|(&point, i)| GeomWithData::new(point, i)).collect(),
         );
         for particle in tree.iter() {
             let i = particle.data;
             for other in tree.locate_within_distance(*particle.geom(), square) {
-                if i < other.data && bodies.touch(i, other.data, probe) {
-                    sink.contact(i, other.data);
+                if i < other.data {
+                    near(i, other.data);
                 }
             }
         }

@@ -12,15 +12,14 @@
 
 use ::zelll::{CellGrid, ParticleLike};
 
-use super::{ZELLL, bounds, positions};
+use super::ZELLL;
+use super::library::{Library, bounds};
 use crate::contact::Bodies;
-use crate::detect::{Declare, Detector, Options, Refusal};
-use crate::probe::Probe;
+use crate::detect::Refusal;
 use crate::scene::Real;
-use crate::sink::Sink;
 
-/// The detector of this module, in `D` dimensions: it enumerates the pairs of a new grid.
-pub struct Zelll<const D: usize>(Vec<[f64; D]>);
+/// The library of this module.
+pub struct Zelll;
 
 #[derive(Clone, Copy)]
 struct Particle<const D: usize>(u32, [f64; D]);
@@ -38,31 +37,17 @@ impl<const D: usize> ParticleLike<[f64; D]> for Particle<D> {
     }
 }
 
-impl<const D: usize> Declare for Zelll<D> {
-    fn with(_: Options) -> Zelll<D> {
-        Zelll(Vec::new())
-    }
-
-    fn formula_bytes(&self) -> u64 {
-        0
-    }
-}
-
-impl<T: Real, const D: usize> Detector<T, D> for Zelll<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
-        &mut self,
-        bodies: B,
-        probe: &mut P,
-        sink: &mut S,
+impl<const D: usize> Library<D> for Zelll {
+    fn pairs<T: Real>(
+        points: &[[f64; D]],
+        bodies: &impl Bodies<T, D>,
+        mut near: impl FnMut(u32, u32),
     ) -> Result<(), Refusal> {
-        positions(&bodies, &mut self.0);
-        let edge = edge(&self.0, bodies.reach())?;
-        let particles = self.0.iter().zip(0u32..).map(|(&point, i)| Particle(i, point));
+        let edge = edge(points, bodies.reach())?;
+        let particles = points.iter().zip(0u32..).map(|(&point, i)| Particle(i, point));
         let grid = CellGrid::new(particles, edge);
         for (Particle(i, _), Particle(j, _)) in grid.particle_pairs() {
-            if bodies.touch(*i, *j, probe) {
-                sink.contact(*i, *j);
-            }
+            near(*i, *j);
         }
         Ok(())
     }

@@ -7,14 +7,15 @@ use super::book::{binary_tree, direct, nbs, screening, sorting};
 pub use super::entry::{Beside, Entry, Group, Parameter, Params, Role, Speed};
 use super::modern::{bvh, cell_grid, hash_grid, hgrid, kd_tree, sweep};
 #[cfg(feature = "peers")]
-use super::peers::Peer;
+use super::peers::{Peer, library::Library, library::Wrapped};
 pub use super::spec::{DetectorSpec, SpecError, parse};
 use super::streamed::{Form, Streamed};
 use super::{Options, Refusal, control, peers};
 use crate::wide::Level;
 
 #[cfg(feature = "peers")]
-const fn peer(peer: &Peer, constructor: fn(&Params, Options) -> Box<dyn AnyDetector>) -> Entry {
+const fn peer<L: Library<2> + Library<3> + 'static>(peer: &Peer) -> Entry {
+    let constructor = Both::<Wrapped<L, 2>, Wrapped<L, 3>>::boxed;
     let Peer { name, summary, cost, limits } = *peer;
     let (role, group, speed) = (Role::Peer, Group::Peers, Speed::Slow);
     let memory = "the library's own";
@@ -276,15 +277,15 @@ pub static TABLE: &[Entry] = &[
         ..PLAIN
     },
     #[cfg(feature = "peers")]
-    peer(&peers::KIDDO, Both::<peers::kiddo::Kiddo<2>, peers::kiddo::Kiddo<3>>::boxed),
+    peer::<peers::kiddo::Kiddo>(&peers::KIDDO),
     #[cfg(feature = "peers")]
-    peer(&peers::KD_TREE, Both::<peers::kd_tree::KdTree<2>, peers::kd_tree::KdTree<3>>::boxed),
+    peer::<peers::kd_tree::KdTree>(&peers::KD_TREE),
     #[cfg(feature = "peers")]
-    peer(&peers::RSTAR, Both::<peers::rstar::Rstar<2>, peers::rstar::Rstar<3>>::boxed),
+    peer::<peers::rstar::Rstar>(&peers::RSTAR),
     #[cfg(feature = "peers")]
-    peer(&peers::PARRY, Both::<peers::parry::Parry<2>, peers::parry::Parry<3>>::boxed),
+    peer::<peers::parry::Parry>(&peers::PARRY),
     #[cfg(feature = "peers")]
-    peer(&peers::ZELLL, Both::<peers::zelll::Zelll<2>, peers::zelll::Zelll<3>>::boxed),
+    peer::<peers::zelll::Zelll>(&peers::ZELLL),
 ];
 
 /// Name of the default detector.
