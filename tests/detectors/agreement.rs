@@ -139,10 +139,10 @@ fn ways_to_part_sizes_are_right_on_hard_cases() {
 /// A detector still works after it has refused a scene.
 #[test]
 fn a_refusal_leaves_no_trace() {
-    let (small, sparse) = (make("packed:n=300"), make("pack-c:n=2800,s=100"));
+    let (small, sparse) = (make("packed:n=300"), make("pack-c:n=6000,s=100"));
     let truth = oracle::truth(&small, Arithmetic::Exact).unwrap().digest;
     for entry in detectors() {
-        let mut detector = entry.make(Options { memory_limit: 32_000, threads: 1 });
+        let mut detector = entry.make(Options { memory_limit: 60_000, threads: 1 });
         let mut reported = 0;
         let mut sink = Visit(|_, _| reported += 1);
         let refused = detector.visit(&sparse, Test::Exact, &mut sink).is_err();

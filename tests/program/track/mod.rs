@@ -107,7 +107,7 @@ fn motion_and_rest_are_in_one_record() {
     assert_eq!(before, at.read("out/samples.jsonl"));
 }
 
-/// A sample shows a part of the missed contacts. Without a check, none of them is stated.
+/// A sample finds a part of the missed contacts. Without a check, no number is printed.
 #[test]
 fn a_sample_or_nothing_is_checked_on_request() {
     let at = Place::new();

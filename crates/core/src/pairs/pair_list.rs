@@ -58,7 +58,7 @@ pub struct PairList<'a> {
     from: usize,
     /// Estimated length of the list, or 0.
     total: usize,
-    /// Whether the list grew by an estimate of its length.
+    /// Whether the list has grown to an estimated length.
     estimated: bool,
     /// Sink that receives all pairs instead of the list, if set. The list then has no space, so
     /// that only the slow path of a full list checks for a sink.

@@ -4,11 +4,11 @@
 //! integers Wj; let pj = xj + Wj·H be its true position. The open scene consists of the owners and
 //! the images pj + T·H with T positive (the first nonzero number is positive, in upright boxes the
 //! last) that are near enough to some owner. Particle i touches the image of j by S exactly if pi
-//! touches pj + T·H, T = S + Wi - Wj. T and -T are the same contact from both sides, and one of the
-//! two is positive unless T = 0. So every contact is found once, between two owners or between an
-//! owner and an image; pairs of two images are dropped. Any Wj are correct: they determine the
-//! number of images, not what touches. So if no two fractions differ by much more than 1, all Wj
-//! are 0, and owners are the given scene, not a copy.
+//! touches pj + T·H, where T = S + Wi - Wj. T and -T are the same contact from both sides, and one
+//! of the two is positive unless T = 0. So every contact is found once, between two owners or
+//! between an owner and an image; pairs of two images are dropped. Any Wj are correct: they
+//! determine the number of images, not what touches. So if no two fractions differ by much more
+//! than 1, all Wj are 0, and owners are the given scene, not a copy.
 
 use nalgebra::Point;
 

@@ -114,7 +114,7 @@ impl Truth {
     }
 }
 
-/// Returns all contacts, or at least those of the chosen particles.
+/// Returns all contacts; if some particles are `chosen`, at least theirs.
 fn any(
     periodic: &Periodic<'_>,
     arithmetic: Arithmetic,

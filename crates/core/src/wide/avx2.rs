@@ -76,7 +76,7 @@ impl Avx2 {
         }
     }
 
-    /// Computes the squared distances and the numbers of eight pairs.
+    /// Returns the squared distances of eight pairs of points, and the numbers of the points.
     ///
     /// # Safety
     /// The places must be below the number of spots.

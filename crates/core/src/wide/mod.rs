@@ -41,10 +41,10 @@ pub(crate) use register::read;
 #[cfg(target_arch = "x86_64")]
 pub use sse2::Sse2;
 
-/// The instructions of every processor of this architecture.
+/// The instructions that every processor of this architecture has.
 #[cfg(target_arch = "x86_64")]
 pub type Baseline = Sse2;
-/// The instructions of every processor of this architecture.
+/// The instructions that every processor of this architecture has.
 #[cfg(not(target_arch = "x86_64"))]
 pub type Baseline = Portable;
 

@@ -1,4 +1,4 @@
-//! NEON: four floats. It is part of aarch64, so it needs no detection.
+//! NEON: four floats. Every aarch64 processor has it, so it needs no detection.
 
 use std::arch::aarch64::*;
 

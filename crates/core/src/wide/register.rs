@@ -78,7 +78,7 @@ pub trait Register: Copy + Send + Sync {
 /// A value of type `V` must begin at `from`, in any alignment.
 #[inline(always)]
 pub(crate) unsafe fn read<A, V: Copy>(from: *const A) -> V {
-    // SAFETY: the caller ensures that the value is there.
+    // SAFETY: the caller ensures that a `V` begins at `from`.
     unsafe { from.cast::<V>().read_unaligned() }
 }
 
@@ -180,7 +180,7 @@ impl<R: Register> Wide for R {
     fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]) {
         let (from, mut pairs) = ([*ids; 2], [[0; 2]; LANES]);
         for at in (0..HALF).step_by(R::LANES) {
-            // SAFETY: a register has at most sixteen lanes; there are as many ids and pairs.
+            // SAFETY: a register has at most sixteen lanes, and both arrays have sixteen elements.
             unsafe {
                 let ids = read(from.as_flattened().as_ptr().add(at));
                 let to = pairs.as_mut_ptr().add(at).cast::<R::Pairs>();

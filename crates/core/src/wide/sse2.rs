@@ -1,4 +1,4 @@
-//! SSE2: four floats. It is part of x86-64, so it needs no detection.
+//! SSE2: four floats. Every x86-64 processor has it, so it needs no detection.
 
 use std::arch::x86_64::*;
 

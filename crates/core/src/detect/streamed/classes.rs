@@ -82,7 +82,7 @@ impl<const D: usize> Class<D> {
         let per_cell = n / lengths.iter().map(|length| length / edge).product::<f64>();
         let visits = |bin: &Class<D>| {
             let radius = bin.sum / bin.bodies as f64;
-            // A visit covers slightly more than half of the cube around its ball.
+            // A visit tests slightly more than half of the cells in the cube around its reach.
             let width = 2.0 * (radius + self.largest) / edge + 1.0;
             let rows = if D == 2 { width } else { width * width };
             bin.bodies as f64 * (ROW * 0.8 * rows + (0.6 * per_cell * rows * width).min(0.6 * n))

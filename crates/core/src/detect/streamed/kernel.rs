@@ -108,7 +108,7 @@ impl Default for Scratch {
 }
 
 impl Scratch {
-    /// Stores the pairs of `id` with those of sixteen candidates that certainly touch; `found` is
+    /// Stores a pair of `id` and each of sixteen candidates that certainly touches it; `found` is
     /// the number of stored pairs. Passes pairs that the contact test must decide to `sink`.
     #[inline(always)]
     pub fn take<W: Wide, const D: usize>(
@@ -140,7 +140,7 @@ impl Scratch {
     }
 }
 
-/// Stores the pairs of `id` with those of sixteen candidates that certainly touch, after `found`
+/// Stores a pair of `id` and each of sixteen candidates that certainly touches it, after `found`
 /// stored pairs. Passes pairs that the contact test must decide to `sink`.
 #[cold]
 pub(super) fn one_by_one<const D: usize>(

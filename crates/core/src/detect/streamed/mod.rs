@@ -249,7 +249,7 @@ trait PairSink {
     /// Receives a pair that only the contact test can decide.
     fn unsure(&mut self, i: u32, j: u32);
     fn counts(&self) -> bool;
-    /// Receives the share of the particles that have been swept.
+    /// Receives the share of the particles swept so far, from 0 to 1.
     fn swept(&mut self, share: f64);
     /// Counts `n` operations, including the contact tests of uncertain pairs, made later.
     fn count(&mut self, op: Op, n: u64);

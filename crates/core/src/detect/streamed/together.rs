@@ -80,7 +80,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Together<'_, '_, F, D
 }
 
 /// Tests a particle against copied candidates, some of which only the contact test can decide. It
-/// is a separate function so that its calls do not use registers in the sweep.
+/// is a separate function so that its calls take no registers from the sweep.
 struct Doubtful<'s, 'a, F, const D: usize, const EACH: bool>(
     &'s mut Sweep<'a, F, D, EACH>,
     usize,

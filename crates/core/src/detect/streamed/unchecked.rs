@@ -7,7 +7,7 @@
 //!   ([`Slab::prepare`]). So a vector may begin at any place of a range.
 //! * Borders surround the cells that can hold particles ([`super::plan::Plan`]). So all cells
 //!   around a particle's cell, in its layer and the next, have numbers.
-//! * A block of particles ends while there is still space for all candidates of one more, at most
+//! * A block of particles ends while there is still space for the candidates of one more: at most
 //!   one vector for each range. Particles with more candidates are swept
 //!   [`Together`](super::together::Together), which passes pairs on before space runs out.
 

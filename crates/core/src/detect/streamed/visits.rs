@@ -134,7 +134,7 @@ fn cells(steps: f64, bits: u32, x: f64, distance: f64) -> (usize, usize) {
 }
 
 impl<const D: usize> Host<'_, D> {
-    /// Calls `add` with the patches of a bundle's cells within reach of a visitor.
+    /// Calls `add` for each patch of a bundle's cells within reach of a visitor.
     #[inline(always)]
     fn ball(
         &self,
@@ -261,7 +261,7 @@ impl<const D: usize> Kernel for Visit<'_, D> {
                     |record: &Record<D, f32>| origin + f64::from(record.at[D - 1] & in_bundle);
                 let blocks = from.lists.blocks(bundle as usize);
                 for records in blocks.flat_map(|block| block.chunks(TOGETHER)) {
-                    // Half of the records are too far away, in no order: a branch would be slower.
+                    // About half of the records are too far away: no branch can be predicted.
                     let (mut near, mut count) = ([0; TOGETHER], 0);
                     for (k, record) in records.iter().enumerate() {
                         let (z, reach) = (along_last(record), each * f64::from(record.radius));

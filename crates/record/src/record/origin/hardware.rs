@@ -68,7 +68,7 @@ impl Hardware {
     }
 }
 
-/// Name and bytes of the second- and third-level caches that a provenance states.
+/// Names of the second- and third-level caches in a provenance, and their bytes.
 pub fn caches_of(provenance: Option<&Value>) -> Vec<(String, u64)> {
     let size = |name: &str| provenance?.get("caches")?.get(name)?.as_str().and_then(size_of);
     ["L2", "L3"].into_iter().filter_map(|name| Some((name.to_string(), size(name)?))).collect()

@@ -9,7 +9,7 @@ use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
 use contactbench_core::scene::Radii;
 use contactbench_core::with_scene;
 
-/// Common mistakes of one kind. Each function passes on the contacts that the variants of one
+/// Common mistakes of one kind. Each function passes on the contacts that each variant of one
 /// mistake would give.
 pub(super) struct Row {
     pub kind: Kind,
