@@ -31,7 +31,7 @@ const CLASS: f64 = 2000.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Class<const D: usize> {
     pub bodies: usize,
-    bins: usize,
+    least: f64,
     pub largest: f64,
     sum: f64,
     pub low: [f64; D],
@@ -41,7 +41,7 @@ pub(super) struct Class<const D: usize> {
 impl<const D: usize> Class<D> {
     const EMPTY: Class<D> = Class {
         bodies: 0,
-        bins: 0,
+        least: f64::INFINITY,
         largest: 0.0,
         sum: 0.0,
         low: [f64::INFINITY; D],
@@ -57,14 +57,19 @@ impl<const D: usize> Class<D> {
         }
         self.largest = if radius > self.largest { radius } else { self.largest };
         self.sum += radius;
+        self.least = self.least.min(radius);
         self.bodies += 1;
-        self.bins = 1;
+    }
+
+    /// Returns whether radii differ by more than a factor of 2.
+    pub fn is_wide(&self) -> bool {
+        self.largest > 2.0 * self.least
     }
 
     pub fn with(&self, other: &Class<D>) -> Class<D> {
         Class {
             bodies: self.bodies + other.bodies,
-            bins: self.bins + other.bins,
+            least: self.least.min(other.least),
             largest: self.largest.max(other.largest),
             sum: self.sum + other.sum,
             low: fill(|k| self.low[k].min(other.low[k])),
@@ -162,11 +167,6 @@ impl<const D: usize> Classes<D> {
         usize::from(self.numbers[self.bins.of(radius)])
     }
 
-    /// Returns whether radii in a class differ by more than about a factor of 2.
-    pub fn wide(&self, class: &Class<D>) -> bool {
-        class.bins > 1 << self.bins.fine
-    }
-
     pub fn all(&self) -> &[Class<D>] {
         &self.classes[..self.count]
     }
@@ -185,7 +185,7 @@ impl Bins {
     /// radii are in one octave.
     fn new(n: usize, least: f64, largest: f64) -> Option<Bins> {
         let octaves = Bins { largest, fine: 0 };
-        let few = |bins: &Bins| (bins.number(least) + 1).pow(3) <= n.min(MOST.pow(3));
+        let few = |bins: &Bins| bins.number(least) < MOST && (bins.of(least) + 1).pow(3) <= n;
         let finer = [2, 1].map(|fine| Bins { fine, ..octaves });
         (least < largest && octaves.of(least) > 0)
             .then(|| finer.into_iter().find(few).unwrap_or(octaves))

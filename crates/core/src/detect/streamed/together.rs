@@ -46,8 +46,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Together<'_, '_, F, D
                 of_own += if r == 0 { many } else { 0 };
                 (r, taken) = if many == len { (r + 1, 0) } else { (r, taken + many) };
             }
-            let far = &mut sweep.scratch.candidates.lanes[0][filled..][..LANES];
-            far.fill(f32::INFINITY);
+            sweep.scratch.candidates.lanes[0][filled..][..LANES].fill(f32::INFINITY);
             for place in places.clone() {
                 let first = (place + 1).saturating_sub(own).min(of_own);
                 if found + filled > ROOM - LANES {

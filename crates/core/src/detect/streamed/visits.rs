@@ -20,12 +20,12 @@
 //! of its own grid, also within 1.01 of the true ones. The code computes v = m·p + c in steps of
 //! the visited grid, with relative errors of m and c below 2^-49. So v is within 1.01m + (m·p +
 //! |c|)2^-47 of the true coordinate. A pair that touches has |Qj - Qi| <= ρ, the reach in steps,
-//! computed with a relative error below 2^-49. So |qj - v| <= R = ρ + 2 + 2m + (ρ + m·p +
-//! |c|)2^-46, where m·p + |c| is the largest over all axes. R exceeds the bound by 0.9 steps. That
-//! covers the rounding of distances of v from cell borders, and that of limits to whole steps, half
-//! a step. Classes with m >= 2^40 or an infinite c do not visit each other ([`super::levels`]); so
-//! squares are at most 2^124 and fit in f32. A visitor so far away that its margin overflows is
-//! beyond the grid.
+//! computed with a relative error below 2^-49. Over three axes these errors are at most √3 · 1.01 ·
+//! (1 + m), and rounding limits to whole steps adds half a step. So |qj - v| <= R = ρ + 3 + 2m +
+//! (ρ + m·p + |c|)2^-46, where m·p + |c| is the largest over all axes. R exceeds the bound by 0.75
+//! steps, which covers the rounding of distances of v from cell borders. Classes with m >= 2^40 or
+//! an infinite c do not visit each other ([`super::levels`]); so squares are at most 2^124 and fit
+//! in f32. A visitor so far away that its margin overflows is beyond the grid.
 //!
 //! **Distances** are decided as in [`super::kernel`]. Differences of coordinates are off by at most
 //! 1.01 + 1.01m + (m·p + |c|)2^-47 along each axis. Along x both coordinates are rounded to 24
@@ -279,7 +279,7 @@ impl<const D: usize> Kernel for Visit<'_, D> {
                         let far =
                             (0..D).fold(0.0, |far, k| max(scale * p[k] + shift[k].abs(), far));
                         let reach = reach_of(radius);
-                        let reach = reach + 2.0 + 2.0 * scale + (reach + far) / (1u64 << 46) as f64;
+                        let reach = reach + 3.0 + 2.0 * scale + (reach + far) / (1u64 << 46) as f64;
                         let grow = 2.0 * (1.0 + scale)
                             + far / (1u64 << 45) as f64
                             + (steps[0] + at[0].abs()) / f64::from(1 << 23)

@@ -122,7 +122,7 @@ impl<const D: usize> Streamed<D> {
             let domain = Domain::along(axes, (class.low, class.high), reach, class.bodies);
             let Some((grid, crowd)) = domain.dense() else { return Ok(None) };
             // Cells as wide as the reach are crowded only if few particles have that reach.
-            let crowd = crowd || classes.wide(class) && class.bodies > FEW;
+            let crowd = crowd || class.is_wide() && class.bodies > FEW;
             may_crowd |= crowd;
             let bounds = Bounds::of(bodies.slack(), reach, &grid, None);
             let plan = Plan::new(&grid, class.bodies);

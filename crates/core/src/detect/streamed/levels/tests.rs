@@ -33,6 +33,7 @@ fn classes(radii: Vec<f64>, edge: f64) -> Vec<usize> {
     for id in 0..bodies.len() as u32 {
         let class = &classes.all()[classes.number(bodies.radius(id))];
         assert!(bodies.radius(id) <= class.largest);
+        assert!(class.is_wide() || 2.0 * bodies.radius(id) >= class.largest);
         found[classes.number(bodies.radius(id))] += 1;
     }
     assert_eq!(found, classes.all().iter().map(|class| class.bodies).collect::<Vec<_>>());
