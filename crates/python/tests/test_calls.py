@@ -298,7 +298,9 @@ def test_types_hold(tool, tmp_path):
     )
     if found.returncode != 0:
         pytest.skip(f"{tool[0]} is not installed")
-    place = [] if tool[0] == "pyright" else ["--cache-dir", str(tmp_path)]
+    # Pyright looks for packages beside the python on the path, which may be another.
+    pyright = tool[0] == "pyright"
+    place = ["--pythonpath", sys.executable] if pyright else ["--cache-dir", str(tmp_path)]
     done = subprocess.run(
         [sys.executable, "-m", *tool, *place, str(TYPED)], capture_output=True, text=True
     )
