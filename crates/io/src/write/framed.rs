@@ -22,7 +22,6 @@ pub struct Framed<'a> {
     /// Number of rows, if known in advance.
     count: Option<usize>,
     rows: usize,
-    row: Vec<Number>,
     text: Vec<u8>,
 }
 
@@ -33,9 +32,9 @@ impl Framed<'_> {
         numbered: bool,
         count: Option<usize>,
     ) -> Framed<'_> {
-        let (names, kind, rows, row, text) = (None, "<u4", 0, Vec::new(), Vec::new());
+        let (names, kind, rows, text) = (None, "<u4", 0, Vec::new());
         let cannot = "cannot write the pairs";
-        Framed { out, format, numbered, names, kind, cannot, count, rows, row, text }
+        Framed { out, format, numbered, names, kind, cannot, count, rows, text }
     }
 
     pub fn frame(
@@ -67,12 +66,21 @@ impl Framed<'_> {
              particles; write .csv"
         );
         let before = self.numbered.then_some(Number::Whole(k as i64));
+        let form = match (self.format, self.kind) {
+            (PairFormat::Npy, "<f8") => Form::F8,
+            (PairFormat::Npy, "<i8") => Form::I8,
+            (PairFormat::Npy, _) => Form::I4,
+            _ => Form::Text,
+        };
         let mut write = |contact: ImagePair| {
-            self.row.clear();
-            self.row.extend(before);
-            style.row(contact, &mut self.row);
+            before.into_iter().for_each(|frame| put(&mut self.text, form, frame));
+            style.row(contact, |number| put(&mut self.text, form, number));
+            if form == Form::Text {
+                // In place of the comma after the last column.
+                self.text.pop();
+                self.text.push(b'\n');
+            }
             self.rows += 1;
-            row(&mut self.text, self.format, self.kind, &self.row);
             if self.text.len() < 1 << 16 {
                 return Ok(());
             }
@@ -107,29 +115,29 @@ impl Framed<'_> {
     }
 }
 
-fn row(out: &mut Vec<u8>, format: PairFormat, kind: &str, row: &[Number]) {
-    for (k, &number) in row.iter().enumerate() {
-        match (format, kind, number) {
-            (PairFormat::Npy, "<f8", Number::Whole(whole)) => {
-                out.extend((whole as f64).to_le_bytes())
-            }
-            (PairFormat::Npy, _, Number::Real(real)) => out.extend(real.to_le_bytes()),
-            (PairFormat::Npy, "<i8", Number::Whole(whole)) => out.extend(whole.to_le_bytes()),
-            // The low 32 bits are the same for i32 and u32.
-            (PairFormat::Npy, _, Number::Whole(whole)) => out.extend((whole as u32).to_le_bytes()),
-            (_, _, number) => {
-                out.extend((k > 0).then_some(b','));
-                match number {
-                    Number::Whole(whole) => {
-                        out.extend_from_slice(itoa::Buffer::new().format(whole).as_bytes());
-                    }
-                    Number::Real(real) => out.extend(format!("{real:?}").bytes()),
-                }
-            }
+/// How a number is written.
+#[derive(Clone, Copy, PartialEq)]
+enum Form {
+    Text,
+    F8,
+    I8,
+    /// The low 32 bits, which are the same for signed and unsigned numbers.
+    I4,
+}
+
+/// Appends a number; in text, with a comma after it.
+#[inline]
+fn put(out: &mut Vec<u8>, form: Form, number: Number) {
+    match (form, number) {
+        (Form::I4, Number::Whole(whole)) => out.extend_from_slice(&(whole as u32).to_le_bytes()),
+        (Form::I8, Number::Whole(whole)) => out.extend_from_slice(&whole.to_le_bytes()),
+        (Form::F8, Number::Whole(whole)) => out.extend_from_slice(&(whole as f64).to_le_bytes()),
+        (Form::Text, Number::Whole(whole)) => {
+            out.extend_from_slice(itoa::Buffer::new().format(whole).as_bytes());
+            out.push(b',');
         }
-    }
-    if format != PairFormat::Npy {
-        out.push(b'\n');
+        (Form::Text, Number::Real(real)) => out.extend(format!("{real:?},").bytes()),
+        (_, Number::Real(real)) => out.extend_from_slice(&real.to_le_bytes()),
     }
 }
 

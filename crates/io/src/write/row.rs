@@ -102,21 +102,24 @@ impl<'a> Style<'a> {
         Ok(all)
     }
 
-    pub(super) fn row(&self, contact: ImagePair, row: &mut Vec<Number>) {
+    /// Calls `put` with the number of each column.
+    pub(super) fn row(&self, contact: ImagePair, mut put: impl FnMut(Number)) {
         let ImagePair { i, j, image } = contact;
-        let ids = [self.id(i), self.id(j)];
-        let names = if self.by_id { ids } else { [i, j].map(i64::from) };
-        row.extend(names.map(Number::Whole));
-        row.extend(image[..self.images()].iter().map(|&s| Number::Whole(s.into())));
+        for k in [i, j] {
+            put(Number::Whole(if self.by_id { self.id(k) } else { k.into() }));
+        }
+        image[..self.images()].iter().for_each(|&s| put(Number::Whole(s.into())));
+        if self.extras.is_empty() {
+            return;
+        }
         if self.has(Extra::Overlap) {
-            row.extend(self.overlap(contact).map(Number::Real));
+            self.overlap(contact).into_iter().for_each(|x| put(Number::Real(x)));
         }
         if self.has(Extra::Normal) {
-            let normal = self.normal(contact);
-            row.extend(normal[..self.scene.dim()].iter().map(|&x| Number::Real(x)));
+            self.normal(contact)[..self.scene.dim()].iter().for_each(|&x| put(Number::Real(x)));
         }
         if self.has(Extra::Ids) && !self.by_id {
-            row.extend(ids.map(Number::Whole));
+            [i, j].iter().for_each(|&k| put(Number::Whole(self.id(k))));
         }
     }
 
