@@ -187,11 +187,6 @@ impl List {
         self.found == (self.pairs.len() - self.before) as u64
     }
 
-    /// Returns the contacts that were not in the list at the start.
-    pub(super) fn added(&mut self) -> &mut [ImagePair] {
-        &mut self.pairs[self.before..]
-    }
-
     /// Appends a contact, or only counts it if the list is full.
     #[inline]
     pub fn push(&mut self, pair: ImagePair) {
@@ -200,6 +195,16 @@ impl List {
         self.found += 1;
         if room {
             self.pairs.push(pair);
+        }
+    }
+
+    /// Appends the contacts that `of` makes of these pairs, as [`List::push`] does.
+    pub(super) fn append(&mut self, pairs: &[[u32; 2]], of: impl Fn([u32; 2]) -> ImagePair) {
+        if self.is_complete() && pairs.len() <= self.pairs.capacity() - self.pairs.len() {
+            self.found += pairs.len() as u64;
+            self.pairs.extend(pairs.iter().map(|&pair| of(pair)));
+        } else {
+            pairs.iter().for_each(|&pair| self.push(of(pair)));
         }
     }
 

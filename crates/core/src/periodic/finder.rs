@@ -13,7 +13,7 @@ use crate::probe::{Op, Probe, Silent, Tally};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene};
 use crate::sink::Sink;
-use crate::wide::{Kernel, Level, Wide};
+use crate::wide::{Kernel, Level, Pair, Wide};
 
 /// Finds contacts in periodic boxes with any detector, and keeps its buffers between calls.
 pub struct Finder {
@@ -154,7 +154,7 @@ impl Search<'_> {
                 }
             }
         };
-        let (plain, shifted) = sorted.end();
+        let Sorted { plain, shifted, .. } = sorted;
         *found = plain.found() + shifted.found();
         contacts.end(plain, shifted, scene.len(), result)?;
         Ok((made.bytes(), made.ghosts()))
@@ -166,109 +166,86 @@ struct Sorted<'a, const D: usize> {
     made: &'a Made<'a, D>,
     level: Level,
     plain: PairList<'a>,
-    /// Contacts with a shift. If no particle was moved, it holds the numbers of a particle and an
-    /// image until the detection ends. The images are then looked up in order, because a lookup
-    /// during detection misses the cache.
     shifted: List,
 }
 
 /// Number of pairs that are examined together, and copied together if none has an image.
 const TOGETHER: usize = 8;
+/// Number of pairs that are sorted before the images among them are looked up: lookups of one image
+/// after the other wait for memory, those of many overlap.
+const BATCH: usize = 256;
 
 impl<const D: usize> Sink for Sorted<'_, D> {
     fn contact(&mut self, a: u32, b: u32) {
-        let (n, made) = (self.made.particles(), self.made);
-        if made.are_as_given() && a.max(b) < n || made.are_together(a, b) {
+        if self.made.are_as_given() && a.max(b) < self.made.particles() {
             return self.plain.contact(a, b);
         }
-        self.other(a, b);
+        self.contacts(&[[a, b]]);
     }
 
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
-        self.level.run(Sort(self, pairs));
+        for pairs in pairs.chunks(BATCH) {
+            if self.made.are_as_given() {
+                self.level.run(Sort::<D, false>(self, pairs));
+            } else {
+                self.level.run(Sort::<D, true>(self, pairs));
+            }
+        }
     }
 }
 
-struct Sort<'s, 'a, 'p, const D: usize>(&'s mut Sorted<'a, D>, &'p [[u32; 2]]);
+/// Sorts at most [`BATCH`] pairs; whether particles were `MOVED`, is known beforehand.
+struct Sort<'s, 'a, 'p, const D: usize, const MOVED: bool>(&'s mut Sorted<'a, D>, &'p [[u32; 2]]);
 
-impl<const D: usize> Kernel for Sort<'_, '_, '_, D> {
+impl<const D: usize, const MOVED: bool> Kernel for Sort<'_, '_, '_, D, MOVED> {
     type Output = ();
     #[inline(always)]
     fn run<W: Wide>(self, _: W) {
-        let Sort(sorted, pairs) = self;
-        let (n, made) = (sorted.made.particles(), sorted.made);
-        if made.are_as_given() {
-            let plain = |pairs: &[[u32; 2]]| {
-                !pairs.as_flattened().iter().fold(false, |image, &body| image | (body >= n))
-            };
-            sorted.sort(pairs, plain);
-        } else {
-            sorted.sort(pairs, |pairs| {
-                pairs.iter().fold(true, |plain, &[a, b]| plain & made.are_together(a, b))
-            });
-        }
-    }
-}
-
-impl<'a, const D: usize> Sorted<'a, D> {
-    /// Copies runs of pairs that are `plain`, those of two particles, and separates other groups.
-    #[inline(always)]
-    fn sort(&mut self, pairs: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
-        let (together, rest) = pairs.as_chunks::<TOGETHER>();
-        // Start of the present run: all pairs from here on are pairs of two particles.
-        let mut from = 0;
-        for (k, some) in together.iter().enumerate() {
-            if !plain(some) {
-                self.plain.contacts(&pairs[from..k * TOGETHER]);
-                self.part(some, &plain);
-                from = (k + 1) * TOGETHER;
-            }
-        }
-        if plain(rest) {
-            return self.plain.contacts(&pairs[from..]);
-        }
-        self.plain.contacts(&pairs[from..pairs.len() - rest.len()]);
-        self.part(rest, &plain);
-    }
-
-    /// Separates the pairs of a group by `plain`, without branches, because which pairs involve an
-    /// image is unpredictable.
-    #[inline(always)]
-    fn part(&mut self, some: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
-        let n = self.made.particles();
-        let (mut kept, mut others) = ([[0; 2]; TOGETHER], [[0; 2]; TOGETHER]);
+        let Sort(Sorted { made, plain, shifted, .. }, pairs) = self;
+        let n = made.particles();
+        let is_plain = |[a, b]: [u32; 2]| {
+            if MOVED { made.are_together(a, b) } else { (a < n) & (b < n) }
+        };
+        let [mut own, mut others] = [[Pair::uninit(); BATCH]; 2];
         let [mut keep, mut other] = [0; 2];
-        for pair in some.iter().take(TOGETHER) {
-            let plain = plain(std::slice::from_ref(pair));
-            (kept[keep], others[other]) = (*pair, *pair);
-            keep += usize::from(plain);
-            // Pairs of two images are dropped.
-            other += usize::from(!plain & ((pair[0] < n) | (pair[1] < n)));
-        }
-        self.plain.contacts(&kept[..keep]);
-        others[..other].iter().for_each(|&[a, b]| self.other(a, b));
-    }
-
-    fn other(&mut self, a: u32, b: u32) {
-        if self.made.are_as_given() {
-            if a.min(b) < self.made.particles() {
-                self.shifted.push(ImagePair { i: a.min(b), j: a.max(b), image: [0; 3] });
+        let space = plain.space(BATCH).and_then(<[_]>::first_chunk_mut);
+        let listed = space.is_some();
+        let kept = space.unwrap_or(&mut own);
+        let (together, rest) = pairs.as_chunks::<TOGETHER>();
+        for some in together.iter().map(|some| &some[..]).chain([rest]) {
+            if some.len() == TOGETHER && some.iter().fold(true, |all, &pair| all & is_plain(pair)) {
+                kept[keep..keep + TOGETHER].write_copy_of_slice(some);
+                keep += TOGETHER;
+                continue;
             }
-            return;
-        }
-        match self.made.pair(a, b) {
-            Some(ImagePair { i, j, image: [0, 0, 0] }) => self.plain.contact(i, j),
-            Some(pair) => self.shifted.push(pair),
-            None => {}
-        }
-    }
-
-    fn end(mut self) -> (PairList<'a>, List) {
-        if self.made.are_as_given() {
-            for pair in self.shifted.added() {
-                *pair = self.made.through(pair.i, pair.j);
+            // Without branches, because which pairs involve an image is unpredictable.
+            for &pair in some {
+                let plain = is_plain(pair);
+                kept[keep % BATCH].write(pair);
+                others[other % BATCH].write(pair);
+                keep += usize::from(plain);
+                // Pairs of two images are dropped.
+                other += usize::from(!plain & ((pair[0] < n) | (pair[1] < n)));
             }
         }
-        (self.plain, self.shifted)
+        if listed {
+            // SAFETY: the first `keep` pairs of the space were written.
+            unsafe { plain.written(keep) };
+        } else {
+            // SAFETY: the first `keep` pairs were written.
+            plain.contacts(unsafe { own[..keep].assume_init_ref() });
+        }
+        // SAFETY: as for `own`.
+        let others = unsafe { others[..other].assume_init_ref() };
+        if !MOVED {
+            return shifted.append(others, |[a, b]| made.through(a, b));
+        }
+        for &[a, b] in others {
+            match made.pair(a, b) {
+                Some(ImagePair { i, j, image: [0, 0, 0] }) => plain.contact(i, j),
+                Some(pair) => shifted.push(pair),
+                None => {}
+            }
+        }
     }
 }
