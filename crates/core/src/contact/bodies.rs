@@ -55,6 +55,10 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     fn margin(&self) -> Margin {
         Margin::Safe
     }
+    /// Returns the number from which on no two particles touch, because they are images of others.
+    fn first_image(&self) -> u32 {
+        u32::MAX
+    }
     /// Returns the smallest and the largest coordinate along each axis, if already computed.
     fn corners(&self) -> Option<Corners<D>> {
         None
@@ -169,6 +173,10 @@ impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
 
     fn margin(&self) -> Margin {
         self.margin
+    }
+
+    fn first_image(&self) -> u32 {
+        self.rule.first_image()
     }
 
     fn corners(&self) -> Option<Corners<D>> {

@@ -30,6 +30,10 @@ pub trait Rule<T: Real>: Copy + Sync {
     const RADII_DIFFER: bool = true;
     /// Returns whether the two particles touch.
     fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, T, D>, probe: &mut P) -> bool;
+    /// Returns the number from which on no two particles touch, because they are images.
+    fn first_image(&self) -> u32 {
+        u32::MAX
+    }
 }
 
 #[inline(always)]
@@ -255,5 +259,9 @@ impl<T: Real> Rule<T> for AnyRule<'_, T> {
                 asked.touch(Pair { ids: of.ids, a: &a, b: &b }, r + s, probe)
             }
         }
+    }
+
+    fn first_image(&self) -> u32 {
+        if let AnyRule::Asked(asked, _) = self { asked.owners } else { u32::MAX }
     }
 }

@@ -6,6 +6,7 @@
 //! the refusal can state the number of pairs. Adding a contact costs as much as in a `Vec`: the
 //! limit is checked only when a `Vec` would grow.
 
+use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use crate::limits::pages;
@@ -135,7 +136,7 @@ impl<'a> PairList<'a> {
         }
         self.lost += (len - self.before) as u64;
         self.pairs.truncate(self.before);
-        more <= capacity - self.before
+        more <= self.pairs.capacity() - self.before
     }
 
     /// Returns how many of the pairs that are expected have no space.
@@ -151,7 +152,11 @@ impl<'a> PairList<'a> {
         let bytes = (self.pairs.len() + more) * size_of::<[u32; 2]>();
         // A list that grows much is copied to an array that has large pages before it is written.
         let copied = pages::is_large(bytes) && more > 4 * self.pairs.len();
-        let old = if copied { std::mem::take(&mut self.pairs) } else { Vec::new() };
+        let mut old = if copied { std::mem::take(&mut self.pairs) } else { Vec::new() };
+        if old.is_empty() {
+            // The old and the new array do not coexist.
+            old = Vec::new();
+        }
         if self.pairs.try_reserve_exact(old.len() + more).is_err() {
             if copied {
                 self.pairs = old;
@@ -240,6 +245,15 @@ impl Sink for PairList<'_> {
         self.pairs.extend_from_slice(pairs);
     }
 
+    fn space(&mut self, many: usize) -> Option<&mut [MaybeUninit<[u32; 2]>]> {
+        self.pairs.space(many)
+    }
+
+    unsafe fn written(&mut self, many: usize) {
+        // SAFETY: the caller ensures it.
+        unsafe { self.pairs.written(many) }
+    }
+
     fn progress(&mut self, share: f64) {
         // Bundles of layers differ, so estimates from a small share are poor.
         const ENOUGH: f64 = 1.0 / 64.0;
@@ -299,7 +313,7 @@ mod tests {
     #[test]
     fn lists_grow_to_their_limit_and_then_count() {
         type Fill = fn(&mut PairList<'_>, &[[u32; 2]]);
-        let fills: [Fill; 4] = [
+        let fills: [Fill; 5] = [
             |list, pairs| pairs.iter().for_each(|&[i, j]| list.contact(i, j)),
             |list, pairs| pairs.chunks(7).for_each(|pairs| list.contacts(pairs)),
             |list, pairs| {
@@ -309,6 +323,17 @@ mod tests {
                 }
             },
             |list, pairs| list.gather(&pairs.chunks(40).collect::<Vec<_>>()),
+            |list, pairs| {
+                for chunk in pairs.chunks(7) {
+                    let Some(space) = list.space(7) else {
+                        list.contacts(chunk);
+                        continue;
+                    };
+                    space[..chunk.len()].write_copy_of_slice(chunk);
+                    // SAFETY: these pairs were just written.
+                    unsafe { list.written(chunk.len()) };
+                }
+            },
         ];
         for fill in fills {
             for (count, most) in [(0, 0), (1, 0), (99, 100), (100, 100), (101, 100), (5000, 64)] {

@@ -7,6 +7,8 @@
 pub use crate::normalise::{normalise, normalise_by, smaller_first};
 pub use contactbench_terms::mix::splitmix64;
 
+use std::mem::MaybeUninit;
+
 use crate::pair_list::append;
 
 /// Receives the contacts that a detector finds.
@@ -21,6 +23,20 @@ pub trait Sink {
             self.contact(i, j);
         }
     }
+
+    /// Returns space for at least `many` more contacts in the sink's own list, if it has a list with
+    /// so much space.
+    #[inline]
+    fn space(&mut self, _many: usize) -> Option<&mut [MaybeUninit<[u32; 2]>]> {
+        None
+    }
+
+    /// Receives the first `many` contacts in the space that [`Sink::space`] has returned.
+    ///
+    /// # Safety
+    /// They must have been written, and no other method called since.
+    #[inline]
+    unsafe fn written(&mut self, _many: usize) {}
 
     /// Receives the share of its work that a detector has done, from which a list estimates its
     /// length. A smaller share than before begins new work.
@@ -43,6 +59,13 @@ impl<S: Sink + ?Sized> Sink for &mut S {
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
         (**self).contacts(pairs);
     }
+    fn space(&mut self, many: usize) -> Option<&mut [MaybeUninit<[u32; 2]>]> {
+        (**self).space(many)
+    }
+    unsafe fn written(&mut self, many: usize) {
+        // SAFETY: the caller ensures it.
+        unsafe { (**self).written(many) }
+    }
     fn progress(&mut self, share: f64) {
         (**self).progress(share);
     }
@@ -60,6 +83,13 @@ impl Sink for Vec<[u32; 2]> {
     #[inline(always)]
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
         self.extend_from_slice(pairs);
+    }
+    fn space(&mut self, many: usize) -> Option<&mut [MaybeUninit<[u32; 2]>]> {
+        Some(self.spare_capacity_mut()).filter(|space| space.len() >= many)
+    }
+    unsafe fn written(&mut self, many: usize) {
+        // SAFETY: the caller has written these elements, in the spare capacity.
+        unsafe { self.set_len(self.len() + many) }
     }
     fn gather(&mut self, lists: &[&[[u32; 2]]]) {
         append(self, lists);

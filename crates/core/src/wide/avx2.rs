@@ -117,7 +117,8 @@ impl Avx2 {
     }
 }
 
-impl Register for Avx2 {
+// SAFETY: the types have these sizes.
+unsafe impl Register for Avx2 {
     const LANES: usize = 8;
     type Floats = __m256;
     type Ids = __m256i;

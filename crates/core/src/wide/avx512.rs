@@ -53,7 +53,8 @@ impl Avx512 {
     }
 }
 
-impl Register for Avx512 {
+// SAFETY: the types have these sizes.
+unsafe impl Register for Avx512 {
     const LANES: usize = LANES;
     type Floats = __m512;
     type Ids = __m512i;

@@ -27,7 +27,8 @@ static PACKED: [[u8; 16]; 16] = {
     table
 };
 
-impl Register for Neon {
+// SAFETY: the types have these sizes.
+unsafe impl Register for Neon {
     const LANES: usize = 4;
     type Floats = float32x4_t;
     type Ids = uint32x4_t;

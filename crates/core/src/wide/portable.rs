@@ -7,7 +7,8 @@ use super::{Kernel, fill};
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
 
-impl Register for Portable {
+// SAFETY: the types have these sizes.
+unsafe impl Register for Portable {
     const LANES: usize = 4;
     type Floats = [f32; 4];
     type Ids = [u32; 4];

@@ -1,9 +1,13 @@
 //! One register of an instruction set, and sixteen lanes made of several registers.
 
-use super::{HALF, Kernel, LANES, Spot, Wide};
+use super::{HALF, Kernel, LANES, Pair, Spot, Wide};
 
 /// One vector register. A value is the proof that its instructions may be used.
-pub trait Register: Copy + Send + Sync {
+///
+/// # Safety
+/// A register of type `Floats` or `Ids` has [`Register::LANES`] numbers of 32 bits, `Pairs` as many
+/// pairs of them, and `Many` has `16 / LANES` elements.
+pub unsafe trait Register: Copy + Send + Sync {
     /// Number of floats in a register, 4, 8 or 16.
     const LANES: usize;
     /// Type of a register of floats, [`Register::LANES`] of them.
@@ -177,8 +181,8 @@ impl<R: Register> Wide for R {
     }
 
     #[inline(always)]
-    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]) {
-        let (from, mut pairs) = ([*ids; 2], [[0; 2]; LANES]);
+    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [Pair; HALF]) {
+        let (from, mut pairs) = ([*ids; 2], [Pair::uninit(); LANES]);
         for at in (0..HALF).step_by(R::LANES) {
             // SAFETY: a register has at most sixteen lanes, and both arrays have sixteen elements.
             unsafe {
@@ -191,7 +195,7 @@ impl<R: Register> Wide for R {
     }
 
     #[inline(always)]
-    fn pairs(self, i: u32, ids: &[u32; LANES], mask: u32, to: &mut [[u32; 2]; LANES]) {
+    fn pairs(self, i: u32, ids: &[u32; LANES], mask: u32, to: &mut [Pair; LANES]) {
         let mut packed = 0;
         for at in (0..LANES).step_by(R::LANES) {
             let mask = lanes::<R>(mask, at);

@@ -32,7 +32,8 @@ static MOVES: [Moves; 16] = {
     table
 };
 
-impl Register for Sse2 {
+// SAFETY: the types have these sizes.
+unsafe impl Register for Sse2 {
     const LANES: usize = 4;
     type Floats = __m128;
     type Ids = __m128i;

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::kernel::{Bounds, Scratch, Sweep};
 use super::lists::{Lists, Record, Size};
+use super::output::Output;
 use super::plan::Plan;
 use super::ranges::ByCells;
 use super::slab::Slab;
@@ -139,14 +140,15 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
             let last = ((1 << plan.layers) - 1) * plan.layer;
             let border = slab.begin[last] as usize;
             let mut sweep = |places: Range<usize>, next: &Slab<D>, to_next: isize| {
-                let (scratch, sink) = (&mut *scratch, &mut *sink);
+                let Scratch { pairs, work } = &mut *scratch;
+                let output = Output::new(pairs, &mut *sink);
                 if plan.flat {
                     let find = ByCells::<true>::new(plan, slab, next, to_next);
-                    Sweep::<_, D, EACH> { slab, next, places, find, bounds, scratch, sink }
+                    Sweep::<_, D, EACH> { slab, next, places, find, bounds, work, output }
                         .on(self.level);
                 } else {
                     let find = ByCells::<false>::new(plan, slab, next, to_next);
-                    Sweep::<_, D, EACH> { slab, next, places, find, bounds, scratch, sink }
+                    Sweep::<_, D, EACH> { slab, next, places, find, bounds, work, output }
                         .on(self.level);
                 }
             };

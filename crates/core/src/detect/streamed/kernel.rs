@@ -22,17 +22,19 @@
 //!
 //! Arrays are read without bounds checks; `unchecked.rs` gives the reasons why this is safe.
 
-use super::PairSink;
+use std::mem::MaybeUninit;
+
 use super::grid::{Grid, STEPS_OFF, reach_of};
 use super::near::{Limits, Query, test};
-use super::ranges::{Find, Ranges, in_next, ranges_used};
+use super::output::{Output, ROOM, Space};
+use super::ranges::{Find, Ranges, in_next, lengths, ranges_used};
 use super::slab::Slab;
-use super::together::{Copies, TOGETHER, Together};
+use super::together::{Copies, Together};
 use super::unchecked::{Run16, Source, TwoRuns8, chunk, chunk_mut, element};
 use crate::contact::{Bodies, Slack};
 use crate::probe::Op;
 use crate::scene::Real;
-use crate::wide::{HALF, Kernel, LANES, Level, Register, Wide, fill};
+use crate::wide::{HALF, Kernel, LANES, Level, Register, Wide};
 
 /// Limits in steps that decide a contact from the distance of a pair.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +44,8 @@ pub(super) struct Bounds {
     pub grow: f32,
     /// Edge of a cell in steps.
     one: f32,
+    /// Number from which on no two particles touch, because they are images.
+    pub first_image: u32,
 }
 
 impl Bounds {
@@ -54,7 +58,7 @@ impl Bounds {
         let bounds = Bounds::of(bodies.slack(), reach_of(bodies), grid, turn);
         // Twice the radius in steps; the diameter itself could overflow.
         let sum = 2.0 * grid.length(bodies.uniform().unwrap_or(0.0));
-        Bounds { sum: sum as f32, ..bounds }
+        Bounds { sum: sum as f32, first_image: bodies.first_image(), ..bounds }
     }
 
     /// Computes the bounds for individual radii; pairs farther apart than `reach` do not touch.
@@ -73,7 +77,8 @@ impl Bounds {
             + 2.0
             + grid.length(slack.absolute)
             + reach * relative;
-        Bounds { sum: 0.0, grow: grow as f32, one: (1u64 << grid.bits) as f32 }
+        let one = (1u64 << grid.bits) as f32;
+        Bounds { sum: 0.0, grow: grow as f32, one, first_image: u32::MAX }
     }
 }
 
@@ -84,82 +89,31 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
     pub places: std::ops::Range<usize>,
     pub find: F,
     pub bounds: Bounds,
-    pub scratch: &'a mut Scratch,
-    pub sink: &'a mut dyn PairSink,
+    pub work: &'a mut Work,
+    pub output: Output<'a>,
 }
 
-/// Neighbours of a block of particles and the resulting pairs, refilled for every block. Particles
-/// swept [`Together`] use the space for pairs before the block does. The alignment is that of cache
+/// Neighbours of a block of particles, refilled for every block. The alignment is that of cache
 /// lines.
 #[repr(align(64))]
-pub(super) struct Scratch {
+pub(super) struct Work {
     ids: [u32; ROOM],
     ends: [u32; BLOCK],
-    pub pairs: [[u32; 2]; ROOM],
     /// Copies of particles that several others are tested against.
     pub candidates: Copies,
 }
 
+/// Working space of a thread.
+#[repr(align(64))]
+pub(super) struct Scratch {
+    pub pairs: Space,
+    pub work: Work,
+}
+
 impl Default for Scratch {
     fn default() -> Scratch {
-        let candidates = Copies::default();
-        Scratch { ids: [0; ROOM], ends: [0; BLOCK], pairs: [[0; 2]; ROOM], candidates }
-    }
-}
-
-impl Scratch {
-    /// Stores a pair of `id` and each of sixteen candidates that certainly touches it; `found` is
-    /// the number of stored pairs. Passes pairs that the contact test must decide to `sink`.
-    #[inline(always)]
-    pub fn take<W: Wide, const D: usize>(
-        &mut self,
-        w: W,
-        id: u32,
-        source: impl Source<D>,
-        (near, sure): (u32, u32),
-        found: &mut usize,
-        sink: &mut dyn PairSink,
-    ) {
-        if near == sure {
-            let ids = source.ids().map(|half| *half);
-            // SAFETY: each call begins and ends with at most `ROOM - LANES` pairs.
-            let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
-            w.pairs(id, &fill(|k| ids[k / HALF][k % HALF]), near, pairs);
-            *found += near.count_ones() as usize;
-        } else {
-            one_by_one(&mut self.pairs, id, source, (near, sure), found, sink);
-        }
-        if *found > ROOM - LANES {
-            self.hand_on(found, sink);
-        }
-    }
-
-    pub fn hand_on(&self, found: &mut usize, sink: &mut dyn PairSink) {
-        sink.sure(&self.pairs[..*found]);
-        *found = 0;
-    }
-}
-
-/// Stores a pair of `id` and each of sixteen candidates that certainly touches it, after `found`
-/// stored pairs. Passes pairs that the contact test must decide to `sink`.
-#[cold]
-pub(super) fn one_by_one<const D: usize>(
-    pairs: &mut [[u32; 2]; ROOM],
-    id: u32,
-    source: impl Source<D>,
-    (near, sure): (u32, u32),
-    found: &mut usize,
-    sink: &mut dyn PairSink,
-) {
-    let ids = source.ids();
-    for k in (0..LANES).filter(|k| near >> k & 1 == 1) {
-        let other = ids[k / HALF][k % HALF];
-        if sure >> k & 1 == 1 {
-            pairs[*found] = [id, other];
-            *found += 1;
-        } else {
-            sink.unsure(id, other);
-        }
+        let work = Work { ids: [0; ROOM], ends: [0; BLOCK], candidates: Copies::default() };
+        Scratch { pairs: [MaybeUninit::uninit(); ROOM], work }
     }
 }
 
@@ -170,9 +124,7 @@ const BLOCK: usize = 16;
 const KEPT: usize = 8;
 /// Number of neighbours after which a block ends.
 const ENOUGH: usize = 512;
-/// Space for `ENOUGH` ids, all of one more particle's five ranges, and what vectors write past
-/// them; and for the pairs of a particle with all candidates that are copied at once.
-pub(super) const ROOM: usize = TOGETHER + 5 * LANES + KEPT;
+const _: () = assert!(ENOUGH + 5 * LANES + 2 * KEPT <= ROOM);
 
 struct Found {
     at: usize,
@@ -209,7 +161,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
             while many < most && kept <= ENOUGH {
                 let place = first + many;
                 let ranges = self.find.ranges::<D>(place);
-                let longest = ranges.iter().fold(0, |all, &(_, len)| all | len);
+                let longest = lengths(&ranges);
                 if longest >= LANES as u32 {
                     crowd = Some(ranges);
                     break;
@@ -241,21 +193,23 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 } else {
                     w.run(Together(&mut self, place..place + 1, &ranges));
                 }
-                self.scratch.ends[many] = kept as u32;
+                self.work.ends[many] = kept as u32;
                 many += 1;
+            }
+            if self.output.found + kept > ROOM - KEPT {
+                self.output.hand_on();
             }
             let mut begin = 0;
             for k in 0..many {
-                let end = self.scratch.ends[k] as usize;
+                let end = self.work.ends[k] as usize;
                 // SAFETY: `first + k` is one of `places`, which are below the slab's `len`.
                 let id = unsafe { element(&self.slab.ids, first + k) };
                 let mut at = begin;
                 loop {
                     // SAFETY: `at` is at most `kept`, and at least `KEPT` places follow.
-                    let ids = unsafe { chunk(&self.scratch.ids, at) };
-                    // SAFETY: there is as much space for pairs as for ids.
-                    let pairs = unsafe { chunk_mut(&mut self.scratch.pairs, at) };
-                    w.pair(id, ids, pairs);
+                    let ids = unsafe { chunk(&self.work.ids, at) };
+                    // SAFETY: there is space for `kept` pairs, and `KEPT` more.
+                    w.pair(id, ids, unsafe { self.output.places(self.output.found + at) });
                     at += KEPT;
                     if at >= end {
                         break;
@@ -263,7 +217,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 }
                 begin = end;
             }
-            self.sink.sure(&self.scratch.pairs[..kept]);
+            self.output.found += kept;
             first += many;
             if let Some(ranges) = crowd {
                 let end = self.alike(first, &ranges);
@@ -271,22 +225,34 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 first = end;
             }
         }
+        self.output.hand_on();
     }
 }
 
 impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     pub fn on(self, level: Level) {
-        if self.sink.counts() {
+        if self.output.sink.counts() {
             let used = ranges_used::<F, D>();
-            let tests = |at: usize| {
-                self.find.ranges::<D>(at)[..used]
-                    .iter()
-                    .map(|&(_, len)| u64::from(len))
-                    .sum::<u64>()
-            };
-            let tests = self.places.clone().map(tests).sum();
-            self.sink.count(Op::CellProbe, (self.places.len() * used) as u64);
-            self.sink.count(Op::ContactTest, tests);
+            let (mut tests, mut end) = (0, self.places.start);
+            while end < self.places.end {
+                let first = end;
+                let ranges = self.find.ranges::<D>(first);
+                let long = lengths(&ranges) >= LANES as u32;
+                end = if long { self.alike(first, &ranges) } else { first + 1 };
+                let images = long && self.are_images(first..end);
+                let candidates = (0..used).flat_map(|r| {
+                    let (begin, len) = (ranges[r].0 as usize, ranges[r].1 as usize);
+                    &self.other(r).ids[begin..begin + len]
+                });
+                let (all, own) = (candidates.clone().count(), end - first);
+                tests += if images {
+                    own * candidates.filter(|&&id| id < self.bounds.first_image).count()
+                } else {
+                    own * all - own * (own - 1) / 2
+                };
+            }
+            self.output.sink.count(Op::CellProbe, (self.places.len() * used) as u64);
+            self.output.sink.count(Op::ContactTest, tests as u64);
         }
         level.run(self);
     }
@@ -300,6 +266,11 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
             end(of[0]) == end(ranges[0]) && of[1..] == ranges[1..]
         };
         (place + 1..self.places.end).take_while(same).last().map_or(place + 1, |last| last + 1)
+    }
+
+    /// Returns whether the particles at these places are images, none of which touches another.
+    pub fn are_images(&self, places: std::ops::Range<usize>) -> bool {
+        self.slab.ids[places].iter().all(|&id| id >= self.bounds.first_image)
     }
 
     pub fn other(&self, r: usize) -> &'a Slab<D> {
@@ -397,7 +368,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
             test::<_, D, EACH>(w, source, valid, query, limits, self.bounds.grow, F::TURN);
         // SAFETY: before `found.at` are at most `ENOUGH` ids and those of four vectors; there is
         // space for one vector more.
-        let to = unsafe { chunk_mut(&mut self.scratch.ids, found.at) };
+        let to = unsafe { chunk_mut(&mut self.work.ids, found.at) };
         let [low, high] = source.ids();
         w.pack_two(low, high, near, to);
         let count = near.count_ones();

@@ -51,6 +51,7 @@ mod kernel;
 mod levels;
 mod lists;
 mod near;
+mod output;
 mod plan;
 mod ranges;
 mod single;
@@ -65,6 +66,7 @@ pub use grid::Form;
 use grid::Grid;
 use kernel::{Bounds, Scratch};
 use lists::{Lists, Room};
+use output::Space;
 use slab::Slab;
 use sparse::Sparse;
 
@@ -246,6 +248,14 @@ struct Run<'a, P, const D: usize> {
 /// Receives the kernel's pairs: certain contacts, and pairs that the contact test must decide.
 trait PairSink {
     fn sure(&mut self, pairs: &[[u32; 2]]);
+    /// Returns space for certain contacts in the list that receives them, if there is one.
+    fn space(&mut self) -> Option<&mut Space>;
+    /// Adds the first `many` pairs of the space.
+    ///
+    /// # Safety
+    /// They must have been written since [`PairSink::space`] returned the space, and only counting
+    /// functions called meanwhile.
+    unsafe fn written(&mut self, many: usize);
     /// Receives a pair that only the contact test can decide.
     fn unsure(&mut self, i: u32, j: u32);
     fn counts(&self) -> bool;
@@ -279,6 +289,15 @@ impl<'a, P: Probe, S: Sink> Deliver<'a, P, S> {
 impl<P: Probe, S: Sink> PairSink for Deliver<'_, P, S> {
     fn sure(&mut self, pairs: &[[u32; 2]]) {
         self.sink.contacts(pairs);
+    }
+
+    fn space(&mut self) -> Option<&mut Space> {
+        self.sink.space(output::ROOM).and_then(|space| space.first_chunk_mut())
+    }
+
+    unsafe fn written(&mut self, many: usize) {
+        // SAFETY: the caller ensures it.
+        unsafe { self.sink.written(many) }
     }
 
     fn unsure(&mut self, i: u32, j: u32) {

@@ -24,6 +24,12 @@ use super::unchecked::element;
 /// the particle's layer, the others in the next layer.
 pub(super) type Ranges = [(u32, u32); 5];
 
+/// Returns the bitwise or of the lengths: they are all below a power of two if this is.
+#[inline(always)]
+pub(super) fn lengths(ranges: &Ranges) -> u32 {
+    ranges.iter().fold(0, |all, &(_, len)| all | len)
+}
+
 /// Number of axes that are divided into cells.
 const fn axes<F: Find, const D: usize>() -> usize {
     if F::FLAT { D - 1 } else { D }

@@ -1,9 +1,10 @@
 //! The sweep on registers of four or eight floats: each range is tested alone, because most ranges
 //! hold as many particles as a register or fewer. Bounds are the same as in [`super::kernel`].
 
-use super::kernel::{ROOM, Sweep};
+use super::kernel::Sweep;
 use super::near::{SPARE, WHOLE};
-use super::ranges::{Find, ranges_used};
+use super::output::ROOM;
+use super::ranges::{Find, lengths, ranges_used};
 use super::together::Together;
 use super::unchecked::{element, load};
 use crate::wide::{LANES, Register, fill};
@@ -16,19 +17,18 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
         let (used, grow) = (ranges_used::<F, D>(), self.bounds.grow);
         let shifts: [_; 5] = std::array::from_fn(|k| self.shift(k.min(used - 1)));
         let limits = limits(r, r.all(self.bounds.sum + grow), grow);
-        let mut kept = 0;
         let mut end = self.places.start;
         while end < self.places.end {
             let first = end;
             let ranges = self.find.ranges::<D>(first);
-            let long = ranges.iter().fold(0, |all, &(_, len)| all | len) >= LANES as u32;
+            let long = lengths(&ranges) >= LANES as u32;
             end = if long { self.alike(first, &ranges) } else { first + 1 };
             // The last register is written in full.
             let most = ranges.iter().map(|&(_, len)| len as usize).sum::<usize>() + LANES;
-            if kept + most > ROOM {
-                self.scratch.hand_on(&mut kept, self.sink);
+            if self.output.found + most > ROOM {
+                self.output.hand_on();
             }
-            let before = kept;
+            let mut kept = self.output.found;
             let mut odd = u32::from(long);
             if odd == 0 {
                 // SAFETY: `first` is one of `places`, which are below the slab's `len`, and every
@@ -74,8 +74,8 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                         // SAFETY: as for the coordinates; and there is space for all candidates.
                         unsafe {
                             let ids = r.pack(load(&slab.ids, place), near);
-                            let to = self.scratch.pairs.as_mut_ptr().add(kept);
-                            to.cast::<R::Pairs>().write_unaligned(r.pair(id, ids));
+                            let to: &mut [_; LANES] = self.output.places(kept);
+                            to.as_mut_ptr().cast::<R::Pairs>().write_unaligned(r.pair(id, ids));
                         }
                         kept += R::count(near);
                         place += R::LANES;
@@ -85,14 +85,13 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                     }
                 }
             }
-            if odd != 0 {
-                // `Together` uses the space for pairs, so earlier pairs are passed on first.
-                kept = before;
-                self.scratch.hand_on(&mut kept, self.sink);
+            if odd == 0 {
+                self.output.found = kept;
+            } else {
                 r.run(Together(&mut self, first..end, &ranges));
             }
         }
-        self.scratch.hand_on(&mut kept, self.sink);
+        self.output.hand_on();
     }
 }
 

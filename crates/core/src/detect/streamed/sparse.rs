@@ -11,6 +11,7 @@ use super::dense::grow;
 use super::grid::{Grid, SPARSE_FRACTION as FRACTION};
 use super::kernel::{Bounds, Scratch, Sweep};
 use super::lists::Size;
+use super::output::Output;
 use super::ranges::{Find, Ranges};
 use super::slab::Slab;
 use super::{Deliver, NAME, PairSink, Run};
@@ -190,14 +191,15 @@ impl<const D: usize, R: Size> Sparse<D, R> {
             find(this, next, &mut self.ranges, sink);
             let (slab, next_slab) = (&this.slab, &next.slab);
             let find = Listed { cells: &slab.cells, ranges: &self.ranges };
+            let Scratch { pairs, work } = &mut self.scratch[0];
             Sweep::<_, D, EACH> {
                 slab,
                 next: next_slab,
                 places: 0..slab.len,
                 find,
                 bounds,
-                scratch: &mut self.scratch[0],
-                sink: &mut *sink,
+                work,
+                output: Output::new(pairs, &mut *sink),
             }
             .on(level);
             std::mem::swap(this, next);

@@ -3,12 +3,14 @@
 //! The candidates are first copied side by side, with coordinates relative to the particles' cell.
 //! All vectors but the last are then full, and each copy serves all particles from the nearest
 //! cache. This form accepts any number of candidates and of contacts per vector, and pairs that
-//! only the contact test can decide.
+//! only the contact test can decide. If all of the particles are images in a periodic box, images
+//! among the candidates are left out, because no two images touch.
 
 use std::ops::Range;
 
-use super::kernel::{ROOM, Sweep, one_by_one};
+use super::kernel::Sweep;
 use super::near::test;
+use super::output::ROOM;
 use super::ranges::{Find, Ranges, ranges_used};
 use super::slab::Slab;
 use super::unchecked::{Source, chunk, chunk_mut};
@@ -32,49 +34,53 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Together<'_, '_, F, D
     fn run<W: Wide>(self, w: W) {
         let Together(sweep, places, ranges) = self;
         let (limits, none) = (sweep.limits(w), [w.all(0.0); D]);
-        let (mut r, mut taken, mut found) = (0, 0, 0);
+        let (mut r, mut taken) = (0, 0);
         let mut own = ranges[0].0 as usize;
+        let images = sweep.are_images(places.clone());
         while r < ranges_used::<F, D>() {
             let (mut filled, mut of_own) = (0, 0);
             while r < ranges_used::<F, D>() && filled < TOGETHER {
                 let (begin, len) = (ranges[r].0 as usize + taken, ranges[r].1 as usize - taken);
                 let many = len.min(TOGETHER - filled);
                 let (from, shift) = (sweep.other(r), sweep.shift(r));
-                let to = &mut sweep.scratch.candidates;
+                let to = &mut sweep.work.candidates;
                 copy::<D, EACH>(from, begin, many, &shift, to, filled);
                 filled += many;
                 of_own += if r == 0 { many } else { 0 };
                 (r, taken) = if many == len { (r + 1, 0) } else { (r, taken + many) };
             }
-            sweep.scratch.candidates.lanes[0][filled..][..LANES].fill(f32::INFINITY);
+            if images {
+                let first_image = sweep.bounds.first_image;
+                (filled, of_own) = (sweep.work.candidates.keep_below(first_image, filled), 0);
+            }
+            sweep.work.candidates.lanes[0][filled..][..LANES].fill(f32::INFINITY);
             for place in places.clone() {
                 let first = (place + 1).saturating_sub(own).min(of_own);
-                if found + filled > ROOM - LANES {
-                    sweep.scratch.hand_on(&mut found, sweep.sink);
+                if sweep.output.found + filled > ROOM - LANES {
+                    sweep.output.hand_on();
                 }
                 let query = sweep.query(w, place, &none);
                 let id = sweep.slab.ids[place];
-                let pairs = &mut sweep.scratch.pairs;
-                let (mut many, mut odd) = (found, 0);
-                let mut row = Row::new(&sweep.scratch.candidates, first);
+                let output = &mut sweep.output;
+                let (mut many, mut odd) = (output.found, 0);
+                let mut row = Row::new(&sweep.work.candidates, first);
                 while row.at < filled {
                     let (near, sure) =
                         test::<_, D, EACH>(w, row, !0, &query, limits, sweep.bounds.grow, F::TURN);
                     // SAFETY: there is space for all candidates, and a vector more.
-                    w.pairs(id, row.all_ids(), near, unsafe { chunk_mut(pairs, many) });
+                    w.pairs(id, row.all_ids(), near, unsafe { output.places(many) });
                     many += near.count_ones() as usize;
                     odd |= near ^ sure;
                     row.at += LANES;
                 }
                 if odd == 0 {
-                    found = many;
+                    output.found = many;
                 } else {
-                    w.run(Doubtful(&mut *sweep, place, first..filled, &mut found));
+                    w.run(Doubtful(&mut *sweep, place, first..filled));
                 }
             }
             own += of_own;
         }
-        sweep.scratch.hand_on(&mut found, sweep.sink);
     }
 }
 
@@ -84,7 +90,6 @@ struct Doubtful<'s, 'a, F, const D: usize, const EACH: bool>(
     &'s mut Sweep<'a, F, D, EACH>,
     usize,
     Range<usize>,
-    &'s mut usize,
 );
 
 impl<F: Find, const D: usize, const EACH: bool> Kernel for Doubtful<'_, '_, F, D, EACH> {
@@ -92,14 +97,14 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Doubtful<'_, '_, F, D
 
     #[inline(always)]
     fn run<W: Wide>(self, w: W) {
-        let Doubtful(sweep, place, candidates, found) = self;
+        let Doubtful(sweep, place, candidates) = self;
         let (query, limits) = (sweep.query(w, place, &[w.all(0.0); D]), sweep.limits(w));
         let id = sweep.slab.ids[place];
         for at in candidates.step_by(LANES) {
-            let row = Row::new(&sweep.scratch.candidates, at);
+            let row = Row::new(&sweep.work.candidates, at);
             let (near, sure) =
                 test::<_, D, EACH>(w, row, !0, &query, limits, sweep.bounds.grow, F::TURN);
-            one_by_one(&mut sweep.scratch.pairs, id, row, (near, sure), found, sweep.sink);
+            sweep.output.one_by_one(id, row, (near, sure));
         }
     }
 }
@@ -158,6 +163,21 @@ impl Default for Copies {
     fn default() -> Copies {
         let none = [0.0; TOGETHER + LANES];
         Copies { lanes: [none; 3], radii: none, ids: [0; TOGETHER + LANES] }
+    }
+}
+
+impl Copies {
+    /// Keeps the candidates with numbers below `first_image`, and returns how many they are.
+    #[inline(never)]
+    fn keep_below(&mut self, first_image: u32, filled: usize) -> usize {
+        let mut kept = 0;
+        for k in 0..filled {
+            let id = self.ids[k];
+            (self.ids[kept], self.radii[kept]) = (id, self.radii[k]);
+            self.lanes.iter_mut().for_each(|lane| lane[kept] = lane[k]);
+            kept += usize::from(id < first_image);
+        }
+        kept
     }
 }
 

@@ -35,11 +35,10 @@
 //! per axis, so the relative part of the bound is 2^-18 instead of 2^-19. If a cell is wider than
 //! R, the part of one cell is covered by that of x, whose axis has at least two cells.
 
-use super::PairSink;
 use super::grid::Grid;
-use super::kernel::Scratch;
 use super::lists::{Lists, Record};
 use super::near::{Limits, Query, test};
+use super::output::Output;
 use super::plan::Plan;
 use super::slab::Slab;
 use super::unchecked::{Run16, TwoRuns8, element};
@@ -100,8 +99,7 @@ pub(super) struct Visit<'a, const D: usize> {
     pub slack: Slack,
     pub number: usize,
     pub slab: &'a Slab<D>,
-    pub scratch: &'a mut Scratch,
-    pub sink: &'a mut dyn PairSink,
+    pub output: Output<'a>,
 }
 
 /// Number of patches that are tested together.
@@ -316,11 +314,11 @@ impl<const D: usize> Kernel for Tests<'_, '_, D> {
 
     #[inline(always)]
     fn run<W: Wide>(self, w: W) {
-        let Visit { host: Host { grid, plan, .. }, slab, scratch, sink, .. } = self.visit;
+        let Visit { host: Host { grid, plan, .. }, slab, output, .. } = self.visit;
         let one = (1u64 << grid.bits) as f32;
         let limits = Limits::new(w, w.all(0.0), 0.0);
         let next_row = w.load_two(&[0.0; HALF], &[one; HALF]);
-        let (mut found, mut counts) = (0, [0; 2]);
+        let mut counts = [0; 2];
         let stride = if D == 2 { plan.layer } else { plan.row } as u32;
         for &Patch { first, cells, rows, at, radius, grow, id } in self.patches {
             let mut query = Query { at: [w.all(at[0]); D], radius: w.all(radius) };
@@ -349,7 +347,7 @@ impl<const D: usize> Kernel for Tests<'_, '_, D> {
                     let source = TwoRuns8([run(begin), run(begin_next)]);
                     let valid = !(!0 << len) | !(!0 << len_next) << HALF;
                     let masks = test::<_, D, true>(w, source, valid, &query, limits, grow, None);
-                    scratch.take(w, id, source, masks, &mut found, *sink);
+                    output.take(w, id, source, masks);
                     continue;
                 }
                 for (begin, len, y) in [(begin, len, y), (begin_next, len_next, y - one)] {
@@ -359,13 +357,13 @@ impl<const D: usize> Kernel for Tests<'_, '_, D> {
                             (run(begin + k), !(!0 << (len - k).min(LANES as u32)));
                         let masks =
                             test::<_, D, true>(w, source, valid, &query, limits, grow, None);
-                        scratch.take(w, id, source, masks, &mut found, *sink);
+                        output.take(w, id, source, masks);
                     }
                 }
             }
         }
-        scratch.hand_on(&mut found, *sink);
-        sink.count(Op::LevelProbe, counts[0]);
-        sink.count(Op::ContactTest, counts[1]);
+        output.hand_on();
+        output.sink.count(Op::LevelProbe, counts[0]);
+        output.sink.count(Op::ContactTest, counts[1]);
     }
 }

@@ -6,6 +6,7 @@ use super::dense::{Bundles, grow};
 use super::grid::{Domain, FEW, Grid, axes};
 use super::kernel::Bounds;
 use super::lists::{Lists, Record};
+use super::output::Output;
 use super::plan::Plan;
 use super::slab::Slab;
 use super::visits::{Host, Visit};
@@ -98,7 +99,8 @@ impl<const D: usize> Streamed<D> {
                 &mut |number, slab, scratch, sink| {
                     let larger = &hosts[..k];
                     let Some(host) = hosts[k] else { return };
-                    level.run(Visit { larger, host, slack, number, slab, scratch, sink });
+                    let output = Output::new(&mut scratch.pairs, sink);
+                    level.run(Visit { larger, host, slack, number, slab, output });
                 },
             );
         }

@@ -1,0 +1,117 @@
+//! Where a sweep writes its pairs: at the end of the receiver's list, so that no pair is copied.
+
+use std::mem::MaybeUninit;
+use std::ptr::NonNull;
+
+use super::PairSink;
+use super::together::TOGETHER;
+use super::unchecked::Source;
+use crate::wide::{HALF, LANES, Pair, Wide, fill};
+
+/// Number of pairs after which there is space for those of a particle with all candidates that are
+/// copied at once, and for what vectors write past them.
+pub(super) const ROOM: usize = TOGETHER + 6 * LANES;
+
+pub(super) type Space = [Pair; ROOM];
+
+/// Pairs on their way to a receiver.
+pub(super) struct Output<'a> {
+    /// Space for pairs if the receiver has no list, or a full one.
+    own: &'a mut Space,
+    pub sink: &'a mut dyn PairSink,
+    to: NonNull<Space>,
+    /// Whether `to` is in the receiver's list.
+    listed: bool,
+    /// Number of pairs in `to`.
+    pub found: usize,
+}
+
+impl<'a> Output<'a> {
+    pub fn new(own: &'a mut Space, sink: &'a mut dyn PairSink) -> Output<'a> {
+        let to = NonNull::from(&mut *own);
+        let mut output = Output { own, sink, to, listed: false, found: 0 };
+        output.renew();
+        output
+    }
+
+    fn renew(&mut self) {
+        let list = self.sink.space().map(NonNull::from);
+        self.listed = list.is_some();
+        self.to = list.unwrap_or_else(|| NonNull::from(&mut *self.own));
+        self.found = 0;
+    }
+
+    /// Passes all pairs on.
+    #[inline(never)]
+    pub fn hand_on(&mut self) {
+        // SAFETY: the first `found` pairs of `to` were written. The receiver has not been used
+        // since it returned this space, except to count.
+        unsafe {
+            if self.listed {
+                self.sink.written(self.found);
+            } else {
+                self.sink.sure(self.own[..self.found].assume_init_ref());
+            }
+        }
+        self.renew();
+    }
+
+    /// Returns space for `N` pairs after the first `at`.
+    ///
+    /// # Safety
+    /// `at + N` must be at most [`ROOM`].
+    #[inline(always)]
+    pub unsafe fn places<const N: usize>(&mut self, at: usize) -> &mut [Pair; N] {
+        debug_assert!(at + N <= ROOM);
+        // SAFETY: the caller ensures that the space holds `N` pairs from `at` on.
+        unsafe { &mut *self.to.as_ptr().cast::<Pair>().add(at).cast() }
+    }
+
+    /// Stores a pair of `id` and each of sixteen candidates that certainly touches it. Passes pairs
+    /// on that the contact test must decide.
+    #[inline(always)]
+    pub fn take<W: Wide, const D: usize>(
+        &mut self,
+        w: W,
+        id: u32,
+        source: impl Source<D>,
+        (near, sure): (u32, u32),
+    ) {
+        if near == sure {
+            let ids = source.ids().map(|half| *half);
+            // SAFETY: each call begins and ends with at most `ROOM - LANES` pairs.
+            let places = unsafe { self.places(self.found) };
+            w.pairs(id, &fill(|k| ids[k / HALF][k % HALF]), near, places);
+            self.found += near.count_ones() as usize;
+        } else {
+            self.one_by_one(id, source, (near, sure));
+        }
+        if self.found > ROOM - LANES {
+            self.hand_on();
+        }
+    }
+
+    /// Does the same as [`Output::take`], for pairs that only the contact test can decide. There
+    /// must be space for the others.
+    #[cold]
+    pub fn one_by_one<const D: usize>(
+        &mut self,
+        id: u32,
+        source: impl Source<D>,
+        (near, sure): (u32, u32),
+    ) {
+        let ids = source.ids();
+        for k in (0..LANES).filter(|k| near >> k & 1 == 1) {
+            let other = ids[k / HALF][k % HALF];
+            if sure >> k & 1 == 1 {
+                // SAFETY: `to` points to a space of this length.
+                unsafe { self.to.as_mut()[self.found] = MaybeUninit::new([id, other]) };
+                self.found += 1;
+            } else {
+                self.hand_on();
+                self.sink.unsure(id, other);
+                self.renew();
+            }
+        }
+    }
+}
