@@ -24,8 +24,8 @@ pub trait Sink {
         }
     }
 
-    /// Returns space for at least `many` more contacts in the sink's own list, if it has a list with
-    /// so much space.
+    /// Returns space for at least `many` more contacts in the sink's own list, if it has a list
+    /// with so much space.
     #[inline]
     fn space(&mut self, _many: usize) -> Option<&mut [MaybeUninit<[u32; 2]>]> {
         None

@@ -1,4 +1,5 @@
-//! Where a sweep writes its pairs: at the end of the receiver's list, so that no pair is copied.
+//! Pairs that a sweep finds. They are written at the end of the receiver's list, so that no pair is
+//! copied.
 
 use std::mem::MaybeUninit;
 use std::ptr::NonNull;
