@@ -8,6 +8,7 @@ use contactbench::detect::book::direct::Direct;
 use contactbench::detect::book::nbs::Nbs;
 use contactbench::detect::streamed::{FEWEST_FOR_THREADS, Form, Streamed};
 use contactbench::detect::{Declare, Detector, Options, Refusal, table};
+use contactbench::pair_list::{Allowance, PAIR_BYTES, PairList};
 use contactbench::probe::{Op, Probe, Silent, Tally};
 use contactbench::scene::{AnyScene, Radii, Scene, Stored};
 use contactbench::sink::Digest;
@@ -65,13 +66,20 @@ fn compare<const D: usize>(what: &str, scene: &Stored<'_, D>, test: Test) -> usi
     for level in Level::all() {
         for form in [None, Some(Form::Dense), Some(Form::Flat), Some(Form::Sparse)] {
             let mut detector = in_form(level, form);
-            // The second round uses the buffers of the first.
-            for round in 0..2 {
-                let found = answer(&mut detector, scene, test);
-                let level = level.name();
-                assert_eq!(found, truth, "{what} on {level} in form {form:?}, round {round}");
+            let what = format!("{what} on {} in form {form:?}", level.name());
+            assert_eq!(answer(&mut detector, scene, test), truth, "{what}");
+            // Later rounds use the buffers of the first. Pairs are written in the space of a list,
+            // which is short of it, fills up during the sweep, or has enough.
+            for capacity in [0, 1200, 1 << 16] {
+                let mut pairs = Vec::with_capacity(capacity);
+                run_stored(&mut detector, scene, test, &mut Silent, &mut pairs).unwrap();
+                assert_eq!(Digest::from_pairs(&pairs), truth, "{what}, {capacity} pairs");
                 compared += 1;
             }
+            let allowance = Allowance::new(1500 * PAIR_BYTES);
+            let mut full = PairList::new(&allowance);
+            run_stored(&mut detector, scene, test, &mut Silent, &mut full).unwrap();
+            assert_eq!(full.found(), truth.contacts, "{what}");
         }
     }
     compared
@@ -91,7 +99,7 @@ fn all_forms_on_all_levels_in_all_arithmetics() {
             };
         }
     }
-    assert_eq!(compared, SCENES.len() * Arithmetic::SAFE.len() * Level::all().len() * 8);
+    assert_eq!(compared, SCENES.len() * Arithmetic::SAFE.len() * Level::all().len() * 12);
 }
 
 /// Stored coordinates wrap. They wrap many times between two distant heaps, and once inside a heap.

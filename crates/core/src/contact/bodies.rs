@@ -55,7 +55,8 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     fn margin(&self) -> Margin {
         Margin::Safe
     }
-    /// Returns the number from which on no two particles touch, because they are images of others.
+    /// Returns the number of the first image of another particle, or `u32::MAX` if none is known.
+    /// Two images never touch.
     fn first_image(&self) -> u32 {
         u32::MAX
     }

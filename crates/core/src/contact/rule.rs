@@ -30,7 +30,8 @@ pub trait Rule<T: Real>: Copy + Sync {
     const RADII_DIFFER: bool = true;
     /// Returns whether the two particles touch.
     fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, T, D>, probe: &mut P) -> bool;
-    /// Returns the number from which on no two particles touch, because they are images.
+    /// Returns the number of the first image, or `u32::MAX` if none is known. Two images never
+    /// touch.
     fn first_image(&self) -> u32 {
         u32::MAX
     }

@@ -152,11 +152,11 @@ impl<'a> PairList<'a> {
         let bytes = (self.pairs.len() + more) * size_of::<[u32; 2]>();
         // A list that grows much is copied to an array that has large pages before it is written.
         let copied = pages::is_large(bytes) && more > 4 * self.pairs.len();
-        let mut old = if copied { std::mem::take(&mut self.pairs) } else { Vec::new() };
-        if old.is_empty() {
+        if self.pairs.is_empty() {
             // The old and the new array do not coexist.
-            old = Vec::new();
+            self.pairs = Vec::new();
         }
+        let old = if copied { std::mem::take(&mut self.pairs) } else { Vec::new() };
         if self.pairs.try_reserve_exact(old.len() + more).is_err() {
             if copied {
                 self.pairs = old;

@@ -24,8 +24,8 @@ pub trait Sink {
         }
     }
 
-    /// Returns space for at least `many` more contacts in the sink's own list, if it has a list
-    /// with so much space.
+    /// Returns space for at least `many` more contacts in the sink's own list, or `None` if it has
+    /// no list with that much free space. A sink that has one also implements [`Sink::written`].
     #[inline]
     fn space(&mut self, _many: usize) -> Option<&mut [MaybeUninit<[u32; 2]>]> {
         None
@@ -34,9 +34,11 @@ pub trait Sink {
     /// Receives the first `many` contacts in the space that [`Sink::space`] has returned.
     ///
     /// # Safety
-    /// They must have been written, and no other method called since.
+    /// They must be in that space and have been written, and no other method called since.
     #[inline]
-    unsafe fn written(&mut self, _many: usize) {}
+    unsafe fn written(&mut self, many: usize) {
+        assert_eq!(many, 0, "a sink without space for contacts");
+    }
 
     /// Receives the share of its work that a detector has done, from which a list estimates its
     /// length. A smaller share than before begins new work.

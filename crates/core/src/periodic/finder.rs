@@ -13,7 +13,7 @@ use crate::probe::{Op, Probe, Silent, Tally};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene};
 use crate::sink::Sink;
-use crate::wide::{Kernel, Level, Pair, Wide};
+use crate::wide::{Kernel, Level, Slot, Wide};
 
 /// Finds contacts in periodic boxes with any detector, and keeps its buffers between calls.
 pub struct Finder {
@@ -136,7 +136,8 @@ impl Search<'_> {
         let allowance = Allowance::new(limit);
         let plain = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
         let shifted = List::behind(std::mem::take(&mut contacts.shifted), limit);
-        let mut sorted = Sorted { made: &made, level: Level::best(), plain, shifted };
+        let (level, singles) = (Level::best(), [[0; 2]; BATCH]);
+        let mut sorted = Sorted { made: &made, level, plain, shifted, singles, waiting: 0 };
         let (owners, spared) = (made.particles(), crowded::spares_images(&made));
         let result = match tally {
             None if spared => crowded::search(&searched, owners, &mut Silent, &mut sorted),
@@ -154,6 +155,7 @@ impl Search<'_> {
                 }
             }
         };
+        sorted.sort_singles();
         let Sorted { plain, shifted, .. } = sorted;
         *found = plain.found() + shifted.found();
         contacts.end(plain, shifted, scene.len(), result)?;
@@ -167,20 +169,28 @@ struct Sorted<'a, const D: usize> {
     level: Level,
     plain: PairList<'a>,
     shifted: List,
+    /// The last `waiting` pairs that were found one by one.
+    singles: [[u32; 2]; BATCH],
+    waiting: usize,
 }
 
 /// Number of pairs that are examined together, and copied together if none has an image.
 const TOGETHER: usize = 8;
-/// Number of pairs that are sorted before the images among them are looked up: lookups of one image
-/// after the other wait for memory, those of many overlap.
+/// Number of pairs that are sorted before the images among them are looked up. Lookups of single
+/// images would wait for memory one by one; those of a batch overlap.
 const BATCH: usize = 256;
 
 impl<const D: usize> Sink for Sorted<'_, D> {
     fn contact(&mut self, a: u32, b: u32) {
-        if self.made.are_as_given() && a.max(b) < self.made.particles() {
+        let plain = self.made.are_as_given() && a.max(b) < self.made.particles();
+        if plain || self.made.are_together(a, b) {
             return self.plain.contact(a, b);
         }
-        self.contacts(&[[a, b]]);
+        self.singles[self.waiting % BATCH] = [a, b];
+        self.waiting += 1;
+        if self.waiting == BATCH {
+            self.sort_singles();
+        }
     }
 
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
@@ -194,7 +204,14 @@ impl<const D: usize> Sink for Sorted<'_, D> {
     }
 }
 
-/// Sorts at most [`BATCH`] pairs; whether particles were `MOVED`, is known beforehand.
+impl<const D: usize> Sorted<'_, D> {
+    fn sort_singles(&mut self) {
+        let (singles, waiting) = (self.singles, std::mem::take(&mut self.waiting));
+        self.contacts(&singles[..waiting]);
+    }
+}
+
+/// Separates at most [`BATCH`] pairs. `MOVED`: whether particles were moved into the box.
 struct Sort<'s, 'a, 'p, const D: usize, const MOVED: bool>(&'s mut Sorted<'a, D>, &'p [[u32; 2]]);
 
 impl<const D: usize, const MOVED: bool> Kernel for Sort<'_, '_, '_, D, MOVED> {
@@ -206,7 +223,7 @@ impl<const D: usize, const MOVED: bool> Kernel for Sort<'_, '_, '_, D, MOVED> {
         let is_plain = |[a, b]: [u32; 2]| {
             if MOVED { made.are_together(a, b) } else { (a < n) & (b < n) }
         };
-        let [mut own, mut others] = [[Pair::uninit(); BATCH]; 2];
+        let [mut own, mut others] = [[Slot::uninit(); BATCH]; 2];
         let [mut keep, mut other] = [0; 2];
         let space = plain.space(BATCH).and_then(<[_]>::first_chunk_mut);
         let listed = space.is_some();

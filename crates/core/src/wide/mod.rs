@@ -68,7 +68,7 @@ pub const LANES: usize = 16;
 pub const HALF: usize = LANES / 2;
 
 /// A place for a pair of numbers.
-pub type Pair = MaybeUninit<[u32; 2]>;
+pub type Slot = MaybeUninit<[u32; 2]>;
 
 /// A point and its number, adjacent in memory. In two dimensions the last coordinate is 0.
 #[derive(Clone, Copy, Debug, Default)]
@@ -122,10 +122,10 @@ pub trait Wide: Copy + Send + Sync {
     /// The mask may select at most eight. The lower eight ids are in `low`, the others in `high`.
     fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]);
     /// Writes the pair (i, ids\[k\]) to `to`\[k\], for each k.
-    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [Pair; HALF]);
+    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [Slot; HALF]);
     /// Writes the pairs (i, ids\[k\]) of the lanes k that `mask` selects to the front of `to`; the
     /// rest of `to` is unspecified.
-    fn pairs(self, i: u32, ids: &[u32; LANES], mask: u32, to: &mut [Pair; LANES]);
+    fn pairs(self, i: u32, ids: &[u32; LANES], mask: u32, to: &mut [Slot; LANES]);
     /// Type of a vector of sixteen pairs of numbers.
     type Pairs: Copy;
     /// Loads sixteen pairs of numbers.
@@ -254,7 +254,7 @@ mod tests {
                 w.pack_two(ids.first_chunk().unwrap(), ids.last_chunk().unwrap(), mask, &mut to);
                 assert_eq!(&to[..expected.len()], expected);
             }
-            let mut pairs = [Pair::uninit(); 8];
+            let mut pairs = [Slot::uninit(); 8];
             w.pair(7, &[1, 2, 3, 4, 5, 6, u32::MAX, 8], &mut pairs);
             assert_eq!(
                 // SAFETY: `pair` writes all.
@@ -262,7 +262,7 @@ mod tests {
                 [[7, 1], [7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, u32::MAX], [7, 8]]
             );
             for mask in 0..1u32 << LANES {
-                let mut to = [Pair::new([0; 2]); LANES];
+                let mut to = [Slot::new([0; 2]); LANES];
                 w.pairs(7, &ids, mask, &mut to);
                 // SAFETY: all pairs have values.
                 let to = to.map(|pair| unsafe { pair.assume_init() });

@@ -1,12 +1,13 @@
 //! One register of an instruction set, and sixteen lanes made of several registers.
 
-use super::{HALF, Kernel, LANES, Pair, Spot, Wide};
+use super::{HALF, Kernel, LANES, Slot, Spot, Wide};
 
 /// One vector register. A value is the proof that its instructions may be used.
 ///
 /// # Safety
 /// A register of type `Floats` or `Ids` has [`Register::LANES`] numbers of 32 bits, `Pairs` as many
-/// pairs of them, and `Many` has `16 / LANES` elements.
+/// pairs of them, and `Many` has `16 / LANES` elements. [`Register::count`] returns the number of
+/// set bits, and all results are initialised.
 pub unsafe trait Register: Copy + Send + Sync {
     /// Number of floats in a register, 4, 8 or 16.
     const LANES: usize;
@@ -181,8 +182,8 @@ impl<R: Register> Wide for R {
     }
 
     #[inline(always)]
-    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [Pair; HALF]) {
-        let (from, mut pairs) = ([*ids; 2], [Pair::uninit(); LANES]);
+    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [Slot; HALF]) {
+        let (from, mut pairs) = ([*ids; 2], [Slot::uninit(); LANES]);
         for at in (0..HALF).step_by(R::LANES) {
             // SAFETY: a register has at most sixteen lanes, and both arrays have sixteen elements.
             unsafe {
@@ -195,7 +196,7 @@ impl<R: Register> Wide for R {
     }
 
     #[inline(always)]
-    fn pairs(self, i: u32, ids: &[u32; LANES], mask: u32, to: &mut [Pair; LANES]) {
+    fn pairs(self, i: u32, ids: &[u32; LANES], mask: u32, to: &mut [Slot; LANES]) {
         let mut packed = 0;
         for at in (0..LANES).step_by(R::LANES) {
             let mask = lanes::<R>(mask, at);

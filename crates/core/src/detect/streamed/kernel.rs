@@ -44,7 +44,7 @@ pub(super) struct Bounds {
     pub grow: f32,
     /// Edge of a cell in steps.
     one: f32,
-    /// Number from which on no two particles touch, because they are images.
+    /// Number of the first image; no two images touch. `u32::MAX` if none is known.
     pub first_image: u32,
 }
 
@@ -97,7 +97,7 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
 /// lines.
 #[repr(align(64))]
 pub(super) struct Work {
-    ids: [u32; ROOM],
+    ids: [u32; ENOUGH + 5 * LANES + KEPT],
     ends: [u32; BLOCK],
     /// Copies of particles that several others are tested against.
     pub candidates: Copies,
@@ -112,7 +112,11 @@ pub(super) struct Scratch {
 
 impl Default for Scratch {
     fn default() -> Scratch {
-        let work = Work { ids: [0; ROOM], ends: [0; BLOCK], candidates: Copies::default() };
+        let work = Work {
+            ids: [0; ENOUGH + 5 * LANES + KEPT],
+            ends: [0; BLOCK],
+            candidates: Copies::default(),
+        };
         Scratch { pairs: [MaybeUninit::uninit(); ROOM], work }
     }
 }

@@ -245,19 +245,19 @@ struct Run<'a, P, const D: usize> {
     touch_silent: Touch<'a, Silent>,
 }
 
-/// Receives the kernel's pairs: certain contacts, and pairs that the contact test must decide.
+/// Receives the kernel's pairs, and decides those that the kernel cannot.
 trait PairSink {
     fn sure(&mut self, pairs: &[[u32; 2]]);
-    /// Returns space for certain contacts in the list that receives them, if there is one.
+    /// Returns space for contacts in the list that receives them, if there is one.
     fn space(&mut self) -> Option<&mut Space>;
     /// Adds the first `many` pairs of the space.
     ///
     /// # Safety
-    /// They must have been written since [`PairSink::space`] returned the space, and only counting
-    /// functions called meanwhile.
+    /// They must have been written since [`PairSink::space`] returned the space, without a call of
+    /// [`PairSink::sure`] or [`PairSink::swept`] meanwhile.
     unsafe fn written(&mut self, many: usize);
-    /// Receives a pair that only the contact test can decide.
-    fn unsure(&mut self, i: u32, j: u32);
+    /// Returns whether two particles touch, for pairs that only the contact test can decide.
+    fn touches(&mut self, i: u32, j: u32) -> bool;
     fn counts(&self) -> bool;
     /// Receives the share of the particles swept so far, from 0 to 1.
     fn swept(&mut self, share: f64);
@@ -300,11 +300,9 @@ impl<P: Probe, S: Sink> PairSink for Deliver<'_, P, S> {
         unsafe { self.sink.written(many) }
     }
 
-    fn unsure(&mut self, i: u32, j: u32) {
+    fn touches(&mut self, i: u32, j: u32) -> bool {
         self.unsure += 1;
-        if (self.touch)(i, j, self.probe) {
-            self.sink.contact(i, j);
-        }
+        (self.touch)(i, j, self.probe)
     }
 
     fn counts(&self) -> bool {

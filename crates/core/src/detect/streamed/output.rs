@@ -1,24 +1,26 @@
 //! Pairs that a sweep finds. They are written at the end of the receiver's list, so that no pair is
 //! copied.
 
-use std::mem::MaybeUninit;
+use std::marker::PhantomData;
 use std::ptr::NonNull;
 
 use super::PairSink;
 use super::together::TOGETHER;
 use super::unchecked::Source;
-use crate::wide::{HALF, LANES, Pair, Wide, fill};
+use crate::wide::{HALF, LANES, Slot, Wide, fill};
 
-/// Number of pairs after which there is space for those of a particle with all candidates that are
-/// copied at once, and for what vectors write past them.
+/// Length of a [`Space`]: the pairs of a particle with all candidates that are copied at once, and
+/// what vectors write past them.
 pub(super) const ROOM: usize = TOGETHER + 6 * LANES;
 
-pub(super) type Space = [Pair; ROOM];
+pub(super) type Space = [Slot; ROOM];
 
 /// Pairs on their way to a receiver.
 pub(super) struct Output<'a> {
-    /// Space for pairs if the receiver has no list, or a full one.
-    own: &'a mut Space,
+    /// Space for pairs if the receiver has no list, or a full one. It is a pointer, as `to` is,
+    /// because a reference would claim for itself what `to` may point to.
+    own: NonNull<Space>,
+    of_own: PhantomData<&'a mut Space>,
     pub sink: &'a mut dyn PairSink,
     to: NonNull<Space>,
     /// Whether `to` is in the receiver's list.
@@ -29,8 +31,9 @@ pub(super) struct Output<'a> {
 
 impl<'a> Output<'a> {
     pub fn new(own: &'a mut Space, sink: &'a mut dyn PairSink) -> Output<'a> {
-        let to = NonNull::from(&mut *own);
-        let mut output = Output { own, sink, to, listed: false, found: 0 };
+        let own = NonNull::from(own);
+        let mut output =
+            Output { own, of_own: PhantomData, sink, to: own, listed: false, found: 0 };
         output.renew();
         output
     }
@@ -38,20 +41,20 @@ impl<'a> Output<'a> {
     fn renew(&mut self) {
         let list = self.sink.space().map(NonNull::from);
         self.listed = list.is_some();
-        self.to = list.unwrap_or_else(|| NonNull::from(&mut *self.own));
+        self.to = list.unwrap_or(self.own);
         self.found = 0;
     }
 
     /// Passes all pairs on.
     #[inline(never)]
     pub fn hand_on(&mut self) {
-        // SAFETY: the first `found` pairs of `to` were written. The receiver has not been used
-        // since it returned this space, except to count.
+        // SAFETY: the first `found` pairs of `to` were written, which is `own` or the space of the
+        // list. The receiver has not been used since, except to count and to test contacts.
         unsafe {
             if self.listed {
                 self.sink.written(self.found);
             } else {
-                self.sink.sure(self.own[..self.found].assume_init_ref());
+                self.sink.sure(self.to.as_ref()[..self.found].assume_init_ref());
             }
         }
         self.renew();
@@ -62,14 +65,13 @@ impl<'a> Output<'a> {
     /// # Safety
     /// `at + N` must be at most [`ROOM`].
     #[inline(always)]
-    pub unsafe fn places<const N: usize>(&mut self, at: usize) -> &mut [Pair; N] {
+    pub unsafe fn places<const N: usize>(&mut self, at: usize) -> &mut [Slot; N] {
         debug_assert!(at + N <= ROOM);
         // SAFETY: the caller ensures that the space holds `N` pairs from `at` on.
-        unsafe { &mut *self.to.as_ptr().cast::<Pair>().add(at).cast() }
+        unsafe { &mut *self.to.as_ptr().cast::<Slot>().add(at).cast() }
     }
 
-    /// Stores a pair of `id` and each of sixteen candidates that certainly touches it. Passes pairs
-    /// on that the contact test must decide.
+    /// Stores a pair of `id` and each of sixteen candidates that touches it.
     #[inline(always)]
     pub fn take<W: Wide, const D: usize>(
         &mut self,
@@ -92,8 +94,8 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Does the same as [`Output::take`], for pairs that only the contact test can decide. There
-    /// must be space for the others.
+    /// Does the same as [`Output::take`] if only the contact test can decide some of the pairs.
+    /// There must be space for all of them.
     #[cold]
     pub fn one_by_one<const D: usize>(
         &mut self,
@@ -104,14 +106,10 @@ impl<'a> Output<'a> {
         let ids = source.ids();
         for k in (0..LANES).filter(|k| near >> k & 1 == 1) {
             let other = ids[k / HALF][k % HALF];
-            if sure >> k & 1 == 1 {
-                // SAFETY: `to` points to a space of this length.
-                unsafe { self.to.as_mut()[self.found] = MaybeUninit::new([id, other]) };
+            if sure >> k & 1 == 1 || self.sink.touches(id, other) {
+                // SAFETY: `to` points to a space.
+                unsafe { self.to.as_mut()[self.found].write([id, other]) };
                 self.found += 1;
-            } else {
-                self.hand_on();
-                self.sink.unsure(id, other);
-                self.renew();
             }
         }
     }

@@ -24,7 +24,8 @@ use super::unchecked::element;
 /// the particle's layer, the others in the next layer.
 pub(super) type Ranges = [(u32, u32); 5];
 
-/// Returns the bitwise or of the lengths: they are all below a power of two if this is.
+/// Returns the bitwise or of the lengths. All lengths are below a power of two exactly if the
+/// result is.
 #[inline(always)]
 pub(super) fn lengths(ranges: &Ranges) -> u32 {
     ranges.iter().fold(0, |all, &(_, len)| all | len)

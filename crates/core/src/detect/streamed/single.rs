@@ -23,14 +23,14 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
             let ranges = self.find.ranges::<D>(first);
             let long = lengths(&ranges) >= LANES as u32;
             end = if long { self.alike(first, &ranges) } else { first + 1 };
-            // The last register is written in full.
-            let most = ranges.iter().map(|&(_, len)| len as usize).sum::<usize>() + LANES;
-            if self.output.found + most > ROOM {
-                self.output.hand_on();
-            }
-            let mut kept = self.output.found;
-            let mut odd = u32::from(long);
+            let (mut kept, mut odd) = (0, u32::from(long));
             if odd == 0 {
+                // The last register is written in full.
+                let most = ranges.iter().map(|&(_, len)| len as usize).sum::<usize>() + LANES;
+                if self.output.found + most > ROOM {
+                    self.output.hand_on();
+                }
+                kept = self.output.found;
                 // SAFETY: `first` is one of `places`, which are below the slab's `len`, and every
                 // array over particles has an entry for each place.
                 let (id, from) = unsafe {

@@ -1,10 +1,12 @@
 //! Every detector finds the truth in every arithmetic, whatever scene it searched before.
 
 use contactbench_core::contact::{Bodies, any_bodies};
+use contactbench_core::detect::table;
 use contactbench_core::periodic::frame::Frame;
 use contactbench_core::periodic::images::Images;
 use contactbench_core::probe::Silent;
 use contactbench_core::scene::array;
+use contactbench_core::wide::Level;
 use contactbench_core::with_scene;
 
 use super::*;
@@ -184,4 +186,44 @@ fn detectors_agree_on_the_truth_of_large_scenes() {
     let expected = ask(&mut *TABLE[5].make(OPTIONS), &bag.periodic(), Arithmetic::Exact).unwrap();
     assert!(expected.iter().any(|pair| pair.image != [0; 3]));
     assert_eq!(bag.truth(), expected);
+}
+
+/// Cells hold so many particles and images that candidates are copied side by side, up to 1,024 at
+/// a time. Some cells hold only images. Lists have more pairs than are sorted at a time, and in
+/// every other scene particles are outside the box.
+#[test]
+fn full_boxes_on_all_levels() {
+    let names: Vec<_> = Level::all().iter().map(|level| level.name()).collect();
+    let single = names.iter().map(|name| format!("streamed-nbs:level={name}"));
+    let all: Vec<_> = single.chain(["sorting".into(), "cell-grid".into()]).collect();
+    let random = &mut ChaCha8Rng::seed_from_u64(11);
+    let mut contacts = 0;
+    for turn in 0..16 {
+        let (n, r) = [(300, 0.2), (500, 0.12), (1000, 0.28), (2000, 0.07)][turn % 4];
+        let moved = turn / 4 % 2 == 1;
+        let mut at = |_| {
+            let outside = moved && random.random::<f64>() < 0.3;
+            [0; 3].map(|_| random.random::<f64>() + f64::from(u8::from(outside)))
+        };
+        let centres: Vec<[f64; 3]> = (0..n).map(&mut at).collect();
+        let radii = match turn / 8 {
+            0 => Radii::Uniform(r),
+            _ => Radii::Each((0..n).map(|k| r * (1.0 - 0.1 * (k % 3) as f64)).collect()),
+        };
+        let bag = Bag {
+            centres,
+            radii,
+            vectors: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.0, 1.0]],
+            periodic: [true, true, turn % 3 > 0],
+            origin: [0.0; 3],
+        };
+        let truth = truth(&bag.periodic(), Arithmetic::Exact, LIMIT).unwrap();
+        for name in &all {
+            let mut detector = table::parse(name).unwrap().make(OPTIONS);
+            let found = ask(&mut *detector, &bag.periodic(), Arithmetic::Exact).unwrap();
+            assert_eq!(found, truth.pairs, "{name}, scene {turn}");
+        }
+        contacts += truth.pairs.len();
+    }
+    assert!(contacts > 100_000, "{contacts}");
 }
