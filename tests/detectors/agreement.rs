@@ -12,7 +12,6 @@ use contactbench::oracle;
 use contactbench::scene::hard::{Expect, cases};
 use contactbench::scene::{AnyScene, Radii, Scene, Stored};
 use contactbench::sink::{Digest, Visit};
-use nalgebra::Point;
 
 use crate::make;
 
@@ -20,12 +19,8 @@ fn detectors() -> Vec<&'static Entry> {
     TABLE.iter().filter(|entry| entry.must_be_right()).collect()
 }
 
-fn of<const D: usize>(points: &[[f64; D]], r: f64) -> AnyScene<'static>
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
-    let centres: Vec<_> = points.iter().copied().map(Point::from).collect();
-    Scene::new(centres, Radii::Uniform(r)).unwrap().into()
+fn of<const D: usize>(points: &[[f64; D]], r: f64) -> AnyScene<'static> {
+    AnyScene::at(points.iter().copied(), r).unwrap()
 }
 
 /// Compares a detector with brute force in every arithmetic that can store the scene. Returns the

@@ -4,13 +4,12 @@ use contactbench::contact::Test;
 use contactbench::detect::table::TABLE;
 use contactbench::detect::{Options, Refusal};
 use contactbench::oracle::{self, NoTruth};
-use contactbench::scene::{AnyScene, Radii, Scene};
+use contactbench::scene::AnyScene;
 
 /// Returns `n` separate discs on a lattice, except that the first `heap` discs coincide.
 fn clump(n: u32, heap: u32) -> AnyScene<'static> {
     let place = |k: u32| if k < heap { [0.0; 2] } else { [k % 150, k / 150].map(f64::from) };
-    let centres: Vec<_> = (0..n).map(|k| nalgebra::Point::from(place(k))).collect();
-    Scene::new(centres, Radii::Uniform(0.25)).unwrap().into()
+    AnyScene::at((0..n).map(place), 0.25).unwrap()
 }
 
 const LIMIT: u64 = 8 << 20;

@@ -10,7 +10,7 @@ use contactbench::detect::streamed::{FEWEST_FOR_THREADS, Form, Streamed};
 use contactbench::detect::{Declare, Detector, Options, Refusal, table};
 use contactbench::pair_list::{Allowance, PAIR_BYTES, PairList};
 use contactbench::probe::{Op, Probe, Silent, Tally};
-use contactbench::scene::{AnyScene, Radii, Scene, Stored};
+use contactbench::scene::{AnyScene, Scene, Stored};
 use contactbench::sink::Digest;
 use contactbench::wide::Level;
 
@@ -37,8 +37,7 @@ const SCENES: [&str; 15] = [
 ];
 
 fn of<const D: usize>(centres: impl IntoIterator<Item = [f64; D]>) -> Scene<'static, f64, D> {
-    let centres: Vec<_> = centres.into_iter().map(nalgebra::Point::from).collect();
-    Scene::new(centres, Radii::Uniform(0.5)).unwrap()
+    Scene::at(centres, 0.5).unwrap()
 }
 
 fn answer<const D: usize>(
@@ -160,8 +159,7 @@ fn crowds_far_apart_are_refused() {
 /// Textbook arithmetic accepts points whose squared distance underflows to 0.
 #[test]
 fn textbook_loses_nothing() {
-    let points = [[0.0, 0.0], [1e-163, 0.0]].map(nalgebra::Point::from).to_vec();
-    let scene = Stored::F64(Scene::new(points, Radii::Uniform(0.0)).unwrap());
+    let scene = Stored::F64(Scene::at([[0.0, 0.0], [1e-163, 0.0]], 0.0).unwrap());
     let digest = answer(&mut Streamed::<2>::with(Options::default()), &scene, Test::Textbook);
     assert_eq!(digest, Digest::from_pairs(&[[0, 1]]));
 }
@@ -353,8 +351,7 @@ fn pairs_where_floats_are_coarse() {
                 [[x, y], [x + cos * apart, y + sin * apart]]
             };
             let pairs = places.iter().copied().enumerate().flat_map(pair);
-            let centres: Vec<_> = pairs.map(nalgebra::Point::from).collect();
-            let scene = Stored::F64(Scene::new(centres, Radii::Uniform(0.5 * diameter)).unwrap());
+            let scene = Stored::F64(Scene::at(pairs, 0.5 * diameter).unwrap());
             let truth = answer(&mut Nbs::<2>::with(Options::default()), &scene, Test::Exact);
             for level in Level::all() {
                 for form in [Form::Dense, Form::Flat] {

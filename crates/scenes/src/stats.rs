@@ -174,25 +174,20 @@ fn half_edges<T: Real, const D: usize>(
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Point;
-
     use super::*;
 
-    fn plane(points: &[[f64; 2]], radii: Radii<'static, f64>) -> AnyScene<'static> {
-        AnyScene::from(
-            Scene::new(points.iter().map(|&p| Point::from(p)).collect::<Vec<_>>(), radii).unwrap(),
-        )
+    fn plane(points: &[[f64; 2]], radii: impl Into<Radii<'static, f64>>) -> AnyScene<'static> {
+        AnyScene::at(points.iter().copied(), radii).unwrap()
     }
 
     #[test]
     fn two_discs_side_by_side_and_a_ball_in_its_cube_by_hand() {
-        let ball = Scene::<f64, 3>::new(vec![Point::from([1.0, 2.0, 3.0])], Radii::Uniform(0.5));
-        let unequal = Radii::Each(vec![1.0, 2.0].into());
-        let pair = |x, radii| plane(&[[0.0, 0.0], [x, 0.0]], radii);
+        let ball = AnyScene::at([[1.0, 2.0, 3.0]], 0.5);
+        let pair = |x, radii: Radii<'static, f64>| plane(&[[0.0, 0.0], [x, 0.0]], radii);
         for (scene, contacts, coordination, parts_of_pi, ratio, edges) in [
-            (pair(2.0, Radii::Uniform(1.0)), 1, 1.0, 1.0 / 4.0, 1.0, vec![1.0, 0.0]),
-            (pair(3.0, unequal), 1, 1.0, 5.0 / 24.0, 2.0, vec![0.75, 0.0]),
-            (ball.unwrap().into(), 0, 0.0, 1.0 / 6.0, 1.0, vec![0.0; 3]),
+            (pair(2.0, 1.0.into()), 1, 1.0, 1.0 / 4.0, 1.0, vec![1.0, 0.0]),
+            (pair(3.0, vec![1.0, 2.0].into()), 1, 1.0, 5.0 / 24.0, 2.0, vec![0.75, 0.0]),
+            (ball.unwrap(), 0, 0.0, 1.0 / 6.0, 1.0, vec![0.0; 3]),
         ] {
             let stats = stats(&scene.into(), contacts);
             let fraction = stats.packing_fraction;

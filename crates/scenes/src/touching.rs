@@ -5,7 +5,7 @@ use contactbench_core::contact::Arithmetic;
 use contactbench_core::crowd;
 use contactbench_core::detect::{Options, table};
 use contactbench_core::periodic::{self, ImagePair, Periodic, depth};
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
+use contactbench_core::scene::{AnyScene, Lattice, Real, Scene, array};
 use contactbench_core::with_scene;
 use contactbench_io::Given;
 
@@ -97,11 +97,7 @@ pub fn resized(
         scene: &Scene<'_, f64, D>,
         radius: impl Fn(f64) -> f64,
     ) -> anyhow::Result<Scene<'static, f64, D>> {
-        let radii = match scene.radii() {
-            Radii::Uniform(r) => Radii::Uniform(radius(*r)),
-            Radii::Each(radii) => Radii::Each(radii.iter().map(|&r| radius(r)).collect()),
-        };
-        Ok(Scene::new(scene.centres().to_vec(), radii)?)
+        Ok(Scene::new(scene.centres().to_vec(), scene.radii().map(radius))?)
     }
     let scene: AnyScene<'static> = match periodic.scene() {
         AnyScene::Plane(scene) => of(&scene.widened(), radius)?.into(),

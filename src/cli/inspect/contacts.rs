@@ -227,19 +227,18 @@ fn in_f32(periodic: &Periodic<'_>, contacts: &Contacts) -> Option<[usize; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_core::scene::{Lattice, Radii, Scene, points};
+    use contactbench_core::scene::{AnyScene, Lattice};
 
     #[test]
     fn contacts_that_exceed_the_limit_are_counted() {
-        let centres: Vec<[f64; 2]> = (0..100).map(|k| [1e-3 * f64::from(k), 0.0]).collect();
-        let scene = Scene::new(points::<2>(&centres), Radii::Uniform(1.0)).unwrap();
-        let open = Periodic::new(scene.clone().into(), Lattice::OPEN).unwrap();
+        let scene = AnyScene::at((0..100).map(|k| [1e-3 * f64::from(k), 0.0]), 1.0).unwrap();
+        let open = Periodic::new(scene.clone(), Lattice::OPEN).unwrap();
         let boxed = Lattice::new(
             [[9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0; 3]],
             [true, true, false],
             [0.0; 3],
         );
-        let boxed = Periodic::new(scene.into(), boxed.unwrap()).unwrap();
+        let boxed = Periodic::new(scene, boxed.unwrap()).unwrap();
         for periodic in [open, boxed] {
             for limit in [1 << 20, 14 * 4950] {
                 let found = Contacts::new(&periodic, limit);

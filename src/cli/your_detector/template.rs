@@ -79,15 +79,13 @@ mod tests {
     use crate::contact::Test;
     use crate::detect::any;
     use crate::probe::Tally;
-    use crate::scene::{Radii, Scene};
+    use crate::scene::Scene;
 
     /// Four tangent discs in a row, and one far away. Tests of all detectors include this one; here
     /// is the place for tests of its own.
     #[test]
     fn a_row_of_discs() {
-        let centres: Vec<_> =
-            [3.0, 0.0, 1.0, 1e6, 2.0].map(|x| nalgebra::Point::from([x, 0.5])).into();
-        let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+        let scene = Scene::at([3.0, 0.0, 1.0, 1e6, 2.0].map(|x| [x, 0.5]), 0.5).unwrap();
         let (mut detector, mut tally, mut pairs) =
             (NewDetector::with(Options::default()), Tally::default(), Vec::<[u32; 2]>::new());
         any::run(&mut detector, &scene, Test::Exact, &mut tally, &mut pairs).unwrap();

@@ -29,13 +29,14 @@ use contactbench::check;
 use contactbench::contact::Arithmetic;
 use contactbench::detect::table::{Entry, TABLE};
 use contactbench::detect::{Options, Refusal};
-use contactbench::scene::{AnyScene, Scene};
+use contactbench::scene::Scene;
 use contactbench::sink::normalise;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use relations::Given;
+use scenes::any_scene;
 
 /// Pairs with i < j, in ascending order.
 type Pairs = Vec<[u32; 2]>;
@@ -86,10 +87,7 @@ const OPTIONS: Options = Options { memory_limit: 2 << 20, threads: 1 };
 
 /// Compares the pairs that a detector finds before and after a change. Returns the number of pairs
 /// before, or `None` if nothing was compared.
-fn compare<const D: usize>(claim: &Claim<D>, arithmetic: Arithmetic, entry: &Entry) -> Compared
-where
-    AnyScene<'static>: From<Flat<D>>,
-{
+fn compare<const D: usize>(claim: &Claim<D>, arithmetic: Arithmetic, entry: &Entry) -> Compared {
     let mut found = Vec::new();
     for scene in [&claim.before, &claim.after] {
         let Some(pairs) = answer(entry, scene, arithmetic)? else { return Ok(None) };
@@ -114,11 +112,8 @@ fn answer<const D: usize>(
     entry: &Entry,
     scene: &Flat<D>,
     arithmetic: Arithmetic,
-) -> Result<Option<Pairs>, TestCaseError>
-where
-    AnyScene<'static>: From<Flat<D>>,
-{
-    let scene = AnyScene::from(scene.clone());
+) -> Result<Option<Pairs>, TestCaseError> {
+    let scene = any_scene(scene);
     let Ok(stored) = scene.stored(arithmetic) else { return Ok(None) };
     let mut pairs = Pairs::new();
     match entry.make(OPTIONS).list(&stored, arithmetic.test(), &mut pairs) {
@@ -136,26 +131,20 @@ where
     Ok(Some(pairs))
 }
 
-fn difference<const D: usize>(found: &Pairs, expected: &Pairs, claim: &Claim<D>) -> String
-where
-    AnyScene<'static>: From<Flat<D>>,
-{
+fn difference<const D: usize>(found: &Pairs, expected: &Pairs, claim: &Claim<D>) -> String {
     let without = |a: &Pairs, b: &Pairs| {
         a.iter().filter(|pair| !b.contains(pair)).copied().collect::<Pairs>()
     };
     let (missed, added) = (without(expected, found), without(found, expected));
     let [before, after] =
-        [&claim.before, &claim.after].map(|scene| check::as_csv(&AnyScene::from(scene.clone())));
+        [&claim.before, &claim.after].map(|scene| check::as_csv(&any_scene(scene)));
     let all = expected.len();
     format!("missed {missed:?}, added {added:?} of {all}\nbefore:\n{before}after:\n{after}")
 }
 
 /// Tests a relation with all detectors and arithmetics, and prints the number of comparisons, which
 /// must not be 0 for any arithmetic.
-fn hold<const D: usize>(name: &str, arithmetics: &[Arithmetic], relation: Relation<D>)
-where
-    AnyScene<'static>: From<Flat<D>>,
-{
+fn hold<const D: usize>(name: &str, arithmetics: &[Arithmetic], relation: Relation<D>) {
     let compared: RefCell<BTreeMap<Arithmetic, [usize; 2]>> = RefCell::default();
     let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
     let scenes = (scenes::scenes::<D>(), any::<u64>().no_shrink());

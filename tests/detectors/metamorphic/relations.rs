@@ -1,7 +1,7 @@
 //! The metamorphic relations: each change of a scene, and why its effect is exact.
 
 use contactbench::contact::Arithmetic;
-use contactbench::scene::{AnyScene, Radii, Scene, array};
+use contactbench::scene::{Radii, Scene, array};
 use nalgebra::Point;
 use rand::RngExt;
 use rand::seq::SliceRandom;
@@ -19,10 +19,7 @@ pub struct Given<'a, const D: usize> {
 /// A changed scene; `None` where the change of pairs is not exact.
 type Change<const D: usize> = Option<Claim<D>>;
 
-impl<const D: usize> Given<'_, D>
-where
-    AnyScene<'static>: From<Flat<D>>,
-{
+impl<const D: usize> Given<'_, D> {
     fn n(&self) -> u32 {
         self.scene.len() as u32
     }
@@ -178,10 +175,7 @@ fn dyadic<const D: usize>(scene: &Flat<D>) -> Flat<D> {
 }
 
 /// Returns the least and the largest k for which the scene times 2^k has the same pairs.
-fn powers<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<(i32, i32)>
-where
-    AnyScene<'static>: From<Flat<D>>,
-{
+fn powers<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<(i32, i32)> {
     let exponent = |x: f64| libm::frexp(x).1 - 1;
     let radii = (0..scene.len()).map(|k| scene.radius(k)).chain([scene.largest_radius()]);
     let coordinates = scene.centres().iter().flat_map(array).map(|x| x.abs());

@@ -4,7 +4,6 @@
 use contactbench::contact::Arithmetic;
 use contactbench::scene::{AnyScene, Radii, Real, Scene, array};
 use contactbench::with_scene;
-use nalgebra::Point;
 use proptest::prelude::*;
 
 use super::Flat;
@@ -15,28 +14,20 @@ pub fn map<const D: usize>(
     centre: impl Fn([f64; D]) -> [f64; D],
     radius: impl Fn(f64) -> f64,
 ) -> Option<Flat<D>> {
-    let centres = scene.centres().iter().map(|at| Point::from(centre(*array(at))));
-    let radii = match scene.radii() {
-        Radii::Uniform(r) => Radii::Uniform(radius(*r)),
-        Radii::Each(radii) => Radii::Each(radii.iter().map(|&r| radius(r)).collect()),
-    };
-    Scene::new(centres.collect::<Vec<_>>(), radii).ok()
+    let rows = scene.centres().iter().map(|at| centre(*array(at)));
+    Scene::at(rows, scene.radii().map(radius)).ok()
+}
+
+pub fn any_scene<const D: usize>(scene: &Flat<D>) -> AnyScene<'static> {
+    AnyScene::at(scene.centres().iter().map(|at| *array(at)), scene.radii().clone()).unwrap()
 }
 
 /// Returns the scene as `arithmetic` stores it, converted to f64 (for f32-cell, in units of the
 /// cell); `None` if it cannot be stored.
-pub fn kept<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<Flat<D>>
-where
-    AnyScene<'static>: From<Flat<D>>,
-{
-    with_scene!(AnyScene::from(scene.clone()).stored(arithmetic).ok()?, scene => {
-        let centre = |k: usize| std::array::from_fn(|axis| array(&scene.centres()[k])[axis].wide());
-        let radii = match scene.radii() {
-            Radii::Uniform(r) => Radii::Uniform(r.wide()),
-            Radii::Each(radii) => Radii::Each(radii.iter().map(|r| r.wide()).collect()),
-        };
-        let centres: Vec<_> = (0..scene.len()).map(|k| Point::from(centre(k))).collect();
-        Scene::new(centres, radii).ok()
+pub fn kept<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<Flat<D>> {
+    with_scene!(any_scene(scene).stored(arithmetic).ok()?, scene => {
+        let row = |k: usize| std::array::from_fn(|axis| array(&scene.centres()[k])[axis].wide());
+        Scene::at((0..scene.len()).map(row), scene.radii().map(|r| r.wide())).ok()
     })
 }
 
@@ -102,8 +93,7 @@ pub fn scenes<const D: usize>() -> impl Strategy<Value = Flat<D>> {
                 true => Radii::Each(particles.iter().map(|seed| seed.size * r).collect()),
                 false => Radii::Uniform(r),
             };
-            let centres: Vec<_> = centres.into_iter().map(Point::from).collect();
-            Scene::new(centres, radii).unwrap()
+            Scene::at(centres, radii).unwrap()
         },
     )
 }

@@ -9,8 +9,8 @@ mod pages;
 mod pictures;
 mod traces;
 
+use contactbench::scene::AnyScene;
 use contactbench::scene::spec::Spec;
-use contactbench::scene::{AnyScene, Radii, Scene};
 use contactbench::views::trace::Algorithm;
 
 const ALL: [Algorithm; 4] =
@@ -21,6 +21,5 @@ fn scene(text: &str) -> AnyScene<'static> {
 }
 
 fn discs(centres: &[[f64; 2]], r: f64) -> AnyScene<'static> {
-    let centres: Vec<_> = centres.iter().copied().map(nalgebra::Point::from).collect();
-    Scene::new(centres, Radii::Uniform(r)).unwrap().into()
+    AnyScene::at(centres.iter().copied(), r).unwrap()
 }

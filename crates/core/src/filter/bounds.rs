@@ -78,19 +78,15 @@ fn sort_axes(axes: &mut [usize], lengths: &[f64]) {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Point;
-
     use super::*;
     use crate::contact::{Test, any_bodies};
-    use crate::scene::{Radii, Scene};
+    use crate::scene::Scene;
 
     #[test]
     fn threads_and_shares_of_any_size_find_the_same_box() {
         for n in 0..40i32 {
-            let place = |k: i32| Point::from([f64::from((7 * k) % 41), -f64::from((11 * k) % 41)]);
-            let scene =
-                Scene::<f64, 2>::new((0..n).map(place).collect::<Vec<_>>(), Radii::Uniform(0.5))
-                    .unwrap();
+            let place = |k: i32| [f64::from((7 * k) % 41), -f64::from((11 * k) % 41)];
+            let scene = Scene::at((0..n).map(place), 0.5).unwrap();
             let bodies = any_bodies(&scene, Test::Exact).unwrap();
             let axis = |axis: usize, better: fn(f64, f64) -> f64| {
                 scene.centres().iter().map(|p| p[axis]).reduce(better).unwrap_or(0.0)

@@ -160,7 +160,7 @@ mod tests {
     use crate::contact::{Arithmetic, Bodies, WithBodies, exact, with_stored};
     use crate::probe::Silent;
     use crate::refusal::Refusal;
-    use crate::scene::{AnyScene, Radii, Real, Scene};
+    use crate::scene::{AnyScene, Real};
 
     struct Agree(usize);
     impl<T: Real, const D: usize> WithBodies<T, D> for &mut Agree {
@@ -191,16 +191,9 @@ mod tests {
                     let x = |k: i32| {
                         [(0.6 * (r + 0.5) + ulp * f64::from(k)) * scale, 0.8 * (r + 0.5) * scale]
                     };
-                    let centres: Vec<_> = [[0.0, 0.0]]
-                        .into_iter()
-                        .chain((-40..40).map(x))
-                        .map(nalgebra::Point::from)
-                        .collect();
-                    let radii = std::iter::once(r * scale)
-                        .chain((0..80).map(|_| 0.5 * scale))
-                        .collect::<Vec<_>>();
-                    let scene =
-                        AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
+                    let centres = [[0.0, 0.0]].into_iter().chain((-40..40).map(x));
+                    let radii = [vec![r * scale], vec![0.5 * scale; 80]].concat();
+                    let scene = AnyScene::at(centres, radii).unwrap();
                     let Ok(scene) = scene.stored(arithmetic) else { continue };
                     let AnyScene::Plane(scene) = scene else { panic!("made in the plane") };
                     let _ = with_stored(&scene, arithmetic.test(), &mut decided);

@@ -99,14 +99,10 @@ pub fn within(scene: &AnyScene<'_>, limit: u64) -> Result<(), Refusal> {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Point;
-
     use super::*;
-    use crate::scene::Radii;
 
     fn scene(n: u32, centre: impl Fn(u32) -> [f64; 2], r: f64) -> AnyScene<'static> {
-        let centres: Vec<_> = (0..n).map(|k| Point::from(centre(k))).collect();
-        Scene::new(centres, Radii::Uniform(r)).unwrap().into()
+        AnyScene::at((0..n).map(centre), r).unwrap()
     }
 
     #[test]

@@ -104,6 +104,25 @@ impl<'a, const D: usize> Stored<'a, D> {
     }
 }
 
+impl AnyScene<'static> {
+    /// Creates a scene in f64 from rows of two or three coordinates, and one radius or a list of
+    /// radii.
+    ///
+    /// # Errors
+    /// Fails as [`Scene::new`] does.
+    pub fn at<const D: usize>(
+        rows: impl IntoIterator<Item = [f64; D]>,
+        radii: impl Into<Radii<'static, f64>>,
+    ) -> Result<AnyScene<'static>, SceneError> {
+        const { assert!(D == 2 || D == 3) };
+        let rows = rows.into_iter();
+        Ok(match D {
+            2 => Scene::at(rows.map(|row| [row[0], row[1]]), radii)?.into(),
+            _ => Scene::at(rows.map(|row| [row[0], row[1], row[2]]), radii)?.into(),
+        })
+    }
+}
+
 impl<'a> AnyScene<'a> {
     /// Returns the dimension: 2 for discs and 3 for spheres.
     pub fn dim(&self) -> usize {

@@ -58,6 +58,26 @@ impl<T: Copy> Radii<'_, T> {
             Radii::Each(radii) => radii[k],
         }
     }
+
+    /// Returns radii of the same form, each changed by `change`.
+    pub fn map<U: Clone>(&self, change: impl Fn(T) -> U) -> Radii<'static, U> {
+        match self {
+            Radii::Uniform(r) => Radii::Uniform(change(*r)),
+            Radii::Each(radii) => Radii::Each(radii.iter().map(|&r| change(r)).collect()),
+        }
+    }
+}
+
+impl<T: Clone> From<T> for Radii<'_, T> {
+    fn from(radius: T) -> Self {
+        Radii::Uniform(radius)
+    }
+}
+
+impl<T: Clone> From<Vec<T>> for Radii<'_, T> {
+    fn from(radii: Vec<T>) -> Self {
+        Radii::Each(radii.into())
+    }
 }
 
 /// Returns the smallest and the largest of `n` numbers without NaN, or `None` if `n` is 0. Eight
@@ -155,6 +175,17 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         Ok(Scene { centres, radii })
     }
 
+    /// Creates a scene from rows of coordinates, and one radius or a list of radii.
+    ///
+    /// # Errors
+    /// Fails as [`Scene::new`] does.
+    pub fn at(
+        rows: impl IntoIterator<Item = [T; D]>,
+        radii: impl Into<Radii<'a, T>>,
+    ) -> Result<Scene<'a, T, D>, SceneError> {
+        Scene::new(rows.into_iter().map(Point::from).collect::<Vec<_>>(), radii.into())
+    }
+
     /// Returns the centres, in their given order.
     pub fn centres(&self) -> &[Point<T, D>] {
         &self.centres
@@ -210,11 +241,8 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
     /// Returns the scene in f64. This cannot fail, because every storage widens to f64 exactly.
     pub fn widened(&self) -> Scene<'static, f64, D> {
         let wide = |p: &Point<T, D>| Point::from(array(p).map(|x| x.wide()));
-        let radii = match &self.radii {
-            Radii::Uniform(r) => Radii::Uniform(r.wide()),
-            Radii::Each(radii) => Radii::Each(radii.iter().map(|r| r.wide()).collect()),
-        };
-        Scene { centres: self.centres.iter().map(wide).collect(), radii }
+        let centres = self.centres.iter().map(wide).collect();
+        Scene { centres, radii: self.radii.map(Real::wide) }
     }
 
     /// Returns a copy with every coordinate (passed with its axis) and every radius converted.
@@ -224,11 +252,8 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         length: impl Fn(f64) -> U,
     ) -> Result<Scene<'static, U, D>, SceneError> {
         let place = |p: &Point<T, D>| Point::from(fill(|k| coordinate(array(p)[k].wide(), k)));
-        let radii = match &self.radii {
-            Radii::Uniform(r) => Radii::Uniform(length(r.wide())),
-            Radii::Each(radii) => Radii::Each(radii.iter().map(|r| length(r.wide())).collect()),
-        };
-        Scene::new(self.centres.iter().map(place).collect::<Vec<_>>(), radii)
+        let centres: Vec<_> = self.centres.iter().map(place).collect();
+        Scene::new(centres, self.radii.map(|r| length(r.wide())))
     }
 }
 
@@ -336,14 +361,8 @@ mod tests {
 
     #[test]
     fn scenes_too_large_for_cells_are_refused_and_others_are_not() {
-        let stored = |points: &[[f64; 2]], r: f64| {
-            Scene::new(
-                points.iter().copied().map(Point::from).collect::<Vec<_>>(),
-                Radii::Uniform(r),
-            )
-            .unwrap()
-            .by_cells()
-        };
+        let stored =
+            |points: &[[f64; 2]], r: f64| Scene::at(points.iter().copied(), r).unwrap().by_cells();
         assert!(matches!(
             stored(&[[0.0, 0.0], [0.0, 3e8]], 0.5),
             Err(SceneError::Cells { axis: "y", .. })

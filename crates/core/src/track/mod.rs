@@ -14,13 +14,12 @@
 //! ```
 //! use contactbench_core::contact::Test;
 //! use contactbench_core::detect::Options;
-//! use contactbench_core::scene::{AnyScene, Radii, Scene};
+//! use contactbench_core::scene::{AnyScene, Scene};
 //! use contactbench_core::track::{self, Tracker};
 //!
 //! // Two discs that come nearer by a tenth of a diameter in each frame.
 //! let frame = |k: f64| -> AnyScene<'_> {
-//!     let centres = vec![[0.0, 0.0].into(), [1.25 - 0.1 * k, 0.0].into()];
-//!     Scene::new(centres, Radii::Uniform(0.5)).unwrap().into()
+//!     Scene::at([[0.0, 0.0], [1.25 - 0.1 * k, 0.0]], 0.5).unwrap().into()
 //! };
 //! let spec = track::parse("verlet(nbs,rule=top-two,skin=0.4)")?;
 //! let mut tracker = spec.make(Options::default());

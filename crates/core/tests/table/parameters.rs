@@ -5,14 +5,12 @@ use contactbench_core::detect::table::{
     DEFAULT, Parameter, Params, Role, TABLE, find, judges, parse,
 };
 use contactbench_core::detect::{Options, Refusal};
-use contactbench_core::scene::{AnyScene, Radii, Scene};
+use contactbench_core::scene::AnyScene;
 use contactbench_core::sink::normalise;
-use nalgebra::Point;
 
 fn lattice() -> AnyScene<'static> {
-    let centre = |k: u32| Point::from([f64::from(k % 40), f64::from(k / 40)]);
-    let centres: Vec<_> = (0..1600).map(centre).collect();
-    Scene::new(centres, Radii::Uniform(0.5)).unwrap().into()
+    let centre = |k: u32| [f64::from(k % 40), f64::from(k / 40)];
+    AnyScene::at((0..1600).map(centre), 0.5).unwrap()
 }
 
 #[test]

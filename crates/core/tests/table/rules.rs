@@ -5,18 +5,16 @@ use contactbench_core::detect::Options;
 use contactbench_core::detect::table::{Role, TABLE};
 use contactbench_core::oracle;
 use contactbench_core::periodic::{self, Contacts, Periodic};
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Lattice, Radii};
 use contactbench_core::track::{self, Frame};
-use nalgebra::Point;
 
 const LIMIT: u64 = 1 << 28;
 
 /// Returns a lattice of 5 by 5 discs with spacing 1, in a box of 5 by 5.
 fn lattice(radius: f64, each: bool) -> (AnyScene<'static>, Periodic<'static>) {
-    let at = |k: u32| Point::from([f64::from(k % 5), f64::from(k / 5)]);
-    let radii = if each { Radii::Each(vec![radius; 25].into()) } else { Radii::Uniform(radius) };
-    let scene: AnyScene<'_> =
-        Scene::new((0..25).map(at).collect::<Vec<_>>(), radii).unwrap().into();
+    let at = |k: u32| [f64::from(k % 5), f64::from(k / 5)];
+    let radii = if each { Radii::from(vec![radius; 25]) } else { radius.into() };
+    let scene = AnyScene::at((0..25).map(at), radii).unwrap();
     let vectors = [[5.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 5.0]];
     let cell = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
     (scene.clone(), Periodic::new(scene, cell).unwrap())

@@ -1,16 +1,13 @@
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::{Options, spec};
 use contactbench_core::periodic::{Contacts, Periodic};
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Lattice};
 use contactbench_core::searcher::{Loaded, Searcher};
 
 /// Images made for a box are freed when a scene in open space follows.
 #[test]
 fn open_space_keeps_no_images_of_an_earlier_box() {
-    let scene = || -> AnyScene<'static> {
-        let centres = [0.5, 4.0, 7.5].map(|x| nalgebra::Point::from([x, 1.0])).to_vec();
-        Scene::new(centres, Radii::Uniform(0.5)).unwrap().into()
-    };
+    let scene = || AnyScene::at([0.5, 4.0, 7.5].map(|x| [x, 1.0]), 0.5).unwrap();
     let lattice = Lattice::along_axes([8.0, 8.0, 1.0], [true, true, false]).unwrap();
     let boxed = Loaded::InBox(Periodic::new(scene(), lattice).unwrap());
     let open = Loaded::Open(scene());

@@ -1,9 +1,8 @@
 use contactbench_core::contact::Test;
 use contactbench_core::detect::Options;
 use contactbench_core::detect::table::TABLE;
-use contactbench_core::scene::{AnyScene, Radii, Scene};
+use contactbench_core::scene::AnyScene;
 use contactbench_core::sink::{normalise, splitmix64};
-use nalgebra::Point;
 
 /// From 30,000 particles on, `streamed-nbs` uses several threads.
 #[test]
@@ -12,10 +11,9 @@ fn several_threads_find_the_contacts_of_one() {
         let n = if entry.name == "direct" { 1500 } else { 31_000 };
         let centre = |k: u32| {
             let at = |salt: u64| (splitmix64(u64::from(k) ^ salt << 40) % 2900) as f64 / 20.0;
-            Point::from([at(1), at(2)])
+            [at(1), at(2)]
         };
-        let scene = Scene::new((0..n).map(centre).collect::<Vec<_>>(), Radii::Uniform(0.3));
-        let scene = AnyScene::from(scene.unwrap());
+        let scene = AnyScene::at((0..n).map(centre), 0.3).unwrap();
         let found = [1, 2, 3].map(|threads| {
             let mut pairs = Vec::new();
             let options = Options { threads, ..Options::default() };

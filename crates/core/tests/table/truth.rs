@@ -1,7 +1,7 @@
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::oracle::{self, Errors, compare, truth};
 use contactbench_core::periodic::{self, Periodic};
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Lattice};
 use contactbench_core::sink::{normalise, splitmix64};
 
 /// The contacts of chosen particles are those of the whole truth that involve them.
@@ -11,13 +11,11 @@ fn chosen_particles_are_tested_against_all_others() {
         for ratio in [1.0, 50.0] {
             let n = 2500;
             let draw = |k: u64| splitmix64(k) as f64 / u64::MAX as f64;
-            let at =
-                |k: u64| nalgebra::Point::from([0, 1, 2].map(|a| 12.0 * draw(3 * k + a) - 3.0));
-            let centres: Vec<_> = (0..n).map(at).collect();
+            let at = |k: u64| [0, 1, 2].map(|a| 12.0 * draw(3 * k + a) - 3.0);
             let radius =
                 |k: u64| if k == 7 { 0.2 * ratio } else { 0.2 + 0.2 * draw(k + (1 << 40)) };
-            let radii = Radii::Each((0..n).map(radius).collect());
-            let scene: AnyScene<'_> = Scene::new(centres, radii).unwrap().into();
+            let radii: Vec<f64> = (0..n).map(radius).collect();
+            let scene = AnyScene::at((0..n).map(at), radii).unwrap();
             let vectors = [[12.0, 0.0, 0.0], [5.0, 12.0, 0.0], [0.0, -4.0, 12.0]];
             let lattice = Lattice::new(vectors, periodic, [0.0; 3]).unwrap();
             let space = Periodic::new(scene, lattice).unwrap();
@@ -34,8 +32,8 @@ fn chosen_particles_are_tested_against_all_others() {
 
 #[test]
 fn errors_are_counted_apart() {
-    let centres = [0.0, 1.5, 2.0, 3.5, 4.0, 5.5, 6.5].map(|x| nalgebra::Point::from([x, 0.0]));
-    let scene: AnyScene<'_> = Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into();
+    let row = [0.0, 1.5, 2.0, 3.5, 4.0, 5.5, 6.5].map(|x| [x, 0.0]);
+    let scene = AnyScene::at(row, 1.0).unwrap();
     let truth = truth(&scene, Arithmetic::Exact).unwrap().pairs;
     assert_eq!(
         truth,

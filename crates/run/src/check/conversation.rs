@@ -10,7 +10,7 @@ use crate::check::subject::Answer;
 use crate::run::machine::disk;
 use crate::run::runner::protocol::{Found, Reply, Request};
 use crate::run::runner::trajectory::Trajectory;
-use contactbench_core::scene::{Radii, Scene};
+use contactbench_core::scene::Scene;
 use contactbench_core::sink::Digest;
 use contactbench_io::Given;
 
@@ -30,8 +30,7 @@ struct Talk {
 /// Tests a runner with four discs in a row, of which the first three touch.
 pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
     let folder = disk::temporary()?;
-    let row = [0.0, 1.0, 2.0, 10.0].map(|x| nalgebra::Point::from([x, 0.0]));
-    let scene = Given::from(Scene::<f64, 2>::new(row.to_vec(), Radii::Uniform(0.5))?);
+    let scene = Given::from(Scene::at([0.0, 1.0, 2.0, 10.0].map(|x| [x, 0.0]), 0.5)?);
     let right = Digest::from_pairs(&[[0, 1], [1, 2]]);
     let row = Trajectory::write_at_rest(&folder.path().join("row.npy"), &scene)?;
     let line = Line { foreign: foreign.clone(), deadline, client: None };

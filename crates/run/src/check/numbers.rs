@@ -1,8 +1,6 @@
 //! A scene as a list of numbers, which the shrinker changes one by one.
 
-use nalgebra::Point;
-
-use contactbench_core::scene::{AnyScene, Radii, Real, Scene, SceneError, array};
+use contactbench_core::scene::{AnyScene, Radii, Real, SceneError, array};
 use contactbench_core::with_scene;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -44,22 +42,22 @@ impl Numbers {
 
     /// Returns the scene, as if read from a file of these numbers: equal radii become one.
     pub fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
-        let radii = match self.values.get(self.dim) {
-            Some(&r) if !self.mixed() => Radii::Uniform(r),
-            _ => Radii::Each(self.radii().collect::<Vec<_>>().into()),
-        };
-        Ok(if self.dim == 2 {
-            AnyScene::from(Scene::<f64, 2>::new(self.centres(), radii)?)
-        } else {
-            AnyScene::from(Scene::<f64, 3>::new(self.centres(), radii)?)
-        })
+        match self.values.get(self.dim) {
+            Some(&r) if !self.mixed() => self.scene_of(r),
+            _ => self.scene_of(self.radii().collect::<Vec<_>>()),
+        }
     }
 
-    pub fn centres<const D: usize>(&self) -> Vec<Point<f64, D>> {
-        self.values
-            .chunks_exact(self.stride())
-            .map(|particle| Point::from(std::array::from_fn(|k| particle[k])))
-            .collect()
+    /// Returns the scene with these radii instead of its own.
+    pub fn scene_of(
+        &self,
+        radii: impl Into<Radii<'static, f64>>,
+    ) -> Result<AnyScene<'static>, SceneError> {
+        let all = self.values.chunks_exact(self.stride());
+        match self.dim {
+            2 => AnyScene::at(all.map(|it| [it[0], it[1]]), radii),
+            _ => AnyScene::at(all.map(|it| [it[0], it[1], it[2]]), radii),
+        }
     }
 }
 

@@ -1,12 +1,10 @@
-use nalgebra::Point;
-
 use super::names::{Nearest, Onward, repeating, sum};
 use super::through::Through;
 use super::*;
 use contactbench_core::contact::image::{Shift, compare};
 use contactbench_core::contact::swept::touches_within;
 use contactbench_core::oracle::random;
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Lattice};
 use contactbench_core::sink::splitmix64;
 use contactbench_core::track;
 use contactbench_scenes::motion::{Frames, Kind, Motion};
@@ -14,12 +12,8 @@ use contactbench_scenes::spec::Spec;
 
 const LIMIT: u64 = 1 << 26;
 
-fn given<const D: usize>(centres: Vec<[f64; D]>, radius: f64, lattice: Lattice) -> Given
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
-    let centres = centres.into_iter().map(Point::from).collect::<Vec<_>>();
-    Given::in_box(Scene::new(centres, Radii::Uniform(radius)).unwrap().into(), lattice).unwrap()
+fn given<const D: usize>(centres: Vec<[f64; D]>, radius: f64, lattice: Lattice) -> Given {
+    Given::in_box(AnyScene::at(centres, radius).unwrap(), lattice).unwrap()
 }
 
 fn square(edge: f64) -> Lattice {

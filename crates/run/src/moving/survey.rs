@@ -67,15 +67,14 @@ fn common(a: &[ImagePair], b: &[ImagePair]) -> u64 {
 mod tests {
     use super::*;
     use contactbench_core::periodic::without_shift;
-    use contactbench_core::scene::{AnyScene, Radii, Scene};
+    use contactbench_core::scene::AnyScene;
     use contactbench_scenes::touching::in_open_space;
 
     #[test]
     fn contacts_begin_end_and_lie_between_frames() {
         let mut survey = Survey::default();
         let mut take = |places: [f64; 4], pairs: &[[u32; 2]]| {
-            let centres = places.map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
-            let scene: AnyScene<'_> = Scene::new(centres, Radii::Uniform(1.0)).unwrap().into();
+            let scene = AnyScene::at(places.map(|x| [x, 0.0]), 1.0).unwrap();
             let contacts: Vec<ImagePair> = without_shift(pairs).collect();
             survey.take(&in_open_space(&scene).unwrap(), &contacts, None, 1 << 20);
             survey.moved.clone()

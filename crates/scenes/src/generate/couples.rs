@@ -22,7 +22,7 @@ use crate::generate::draw::Draw;
 use crate::generate::table::{Generator, Kind, number};
 use crate::generate::{DIAMETER, Inputs, room};
 use contactbench_core::contact::exact;
-use contactbench_core::scene::{Radii, Scene};
+use contactbench_core::scene::Scene;
 
 pub const GENERATOR: Generator = Generator {
     name: "couples",
@@ -82,10 +82,8 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
         while right[0] > left[0] && exact::compare(&left, &right, 0.5 * d, 0.5 * d).is_gt() {
             right[0] = right[0].next_down();
         }
-        points.extend(
-            [left, right].map(|p| nalgebra::Point::from(std::array::from_fn(|axis| p[axis]))),
-        );
+        points.extend([left, right].map(|p| std::array::from_fn(|axis| p[axis])));
     }
     points.truncate(usize::try_from(inputs.n)?);
-    Scene::new(points, Radii::Uniform(0.5 * d)).map_err(|_| crate::generate::beyond())
+    Scene::at(points, 0.5 * d).map_err(|_| crate::generate::beyond())
 }

@@ -1,7 +1,5 @@
 //! Building blocks of the hard cases. Positions have three coordinates; 2D scenes drop the third.
 
-use nalgebra::Point;
-
 use crate::generate::draw::Draw;
 use contactbench_core::scene::{Lattice, Radii, Scene, SceneError};
 use contactbench_io::Given;
@@ -16,13 +14,13 @@ pub type Body = (Place, f64);
 
 /// Returns one step, with particles of equal radius.
 pub fn uniform(dim: u32, places: impl IntoIterator<Item = Place>, r: f64) -> Steps {
-    Ok(vec![scene(dim, places, Radii::Uniform(r))?])
+    Ok(vec![scene(dim, places, r)?])
 }
 
 /// Returns one step, with particles that each have their own radius.
 pub fn each(dim: u32, bodies: impl IntoIterator<Item = Body>) -> Steps {
     let (places, radii): (Vec<Place>, Vec<f64>) = bodies.into_iter().unzip();
-    Ok(vec![scene(dim, places, Radii::Each(radii.into()))?])
+    Ok(vec![scene(dim, places, radii)?])
 }
 
 /// Returns one step, a lattice of equal particles, with `sites` per axis in 2D and in 3D.
@@ -44,13 +42,11 @@ pub fn history(parts: impl IntoIterator<Item = Steps>) -> Steps {
 fn scene(
     dim: u32,
     places: impl IntoIterator<Item = Place>,
-    radii: Radii<'static, f64>,
+    radii: impl Into<Radii<'static, f64>>,
 ) -> Result<Given, SceneError> {
-    let places = places.into_iter();
-    Ok(if dim == 2 {
-        Scene::new(places.map(|[x, y, _]| Point::from([x, y])).collect::<Vec<_>>(), radii)?.into()
-    } else {
-        Scene::new(places.map(Point::from).collect::<Vec<_>>(), radii)?.into()
+    Ok(match dim {
+        2 => Scene::at(places.into_iter().map(|[x, y, _]| [x, y]), radii)?.into(),
+        _ => Scene::at(places, radii)?.into(),
     })
 }
 

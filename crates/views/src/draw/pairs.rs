@@ -144,14 +144,12 @@ fn through_images(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_core::scene::{Radii, Scene};
+    use contactbench_core::scene::AnyScene;
     use contactbench_scenes::touching::in_open_space;
 
     #[test]
     fn a_list_is_taken_apart_or_refused() {
-        let centres =
-            [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0000001, 0.0]].map(nalgebra::Point::from);
-        let scene = Scene::new(centres.to_vec(), Radii::Uniform(0.5)).unwrap().into();
+        let scene = AnyScene::at([0.0, 1.0, 2.0, 3.0000001].map(|x| [x, 0.0]), 0.5).unwrap();
         let scene = in_open_space(&scene).unwrap();
         let compare = |pairs: &[[i64; 2]]| {
             let list = List { pairs: pairs.to_vec(), ..List::default() };

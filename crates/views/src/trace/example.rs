@@ -5,10 +5,8 @@
 //! [`contactbench_core::filter::cells`]) and a radius of 5. Some particles touch; particles 4 and
 //! 10 of the ten touch exactly.
 
-use nalgebra::Point;
-
 use crate::trace::Algorithm;
-use contactbench_core::scene::{AnyScene, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Scene};
 
 pub struct Example {
     pub name: &'static str,
@@ -42,10 +40,9 @@ pub fn example(algorithm: Algorithm) -> Example {
 
 impl Example {
     pub fn scene(&self) -> AnyScene<'static> {
-        let centres: Vec<_> = self.centres.iter().map(|&(x, y)| Point::from([x, y])).collect();
+        let rows = self.centres.iter().map(|&(x, y)| [x, y]);
         // This cannot fail, because centres are finite and radii positive.
-        let scene = Scene::new(centres, Radii::Uniform(5.0))
-            .or_else(|_| Scene::new(Vec::new(), Radii::Uniform(5.0)));
+        let scene = Scene::at(rows, 5.0).or_else(|_| Scene::<f64, 2>::at([], 5.0));
         scene.map_or_else(|error| unreachable!("an empty scene is valid: {error}"), AnyScene::from)
     }
 }

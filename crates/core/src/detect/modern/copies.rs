@@ -349,7 +349,7 @@ mod tests {
     use crate::detect::Refusal;
     use crate::filter;
     use crate::probe::Tally;
-    use crate::scene::{AnyScene, Radii, Scene};
+    use crate::scene::AnyScene;
 
     /// Compares the decisions from records with the contact test, for all pairs of a scene. Also
     /// checks that the boxes of pairs that touch overlap.
@@ -399,14 +399,14 @@ mod tests {
                 let radii: Vec<f64> =
                     (0..200).map(|k| scale * (0.1 + f64::from(k % 13) / 7.0)).collect();
                 let mut x = 0.0;
-                let mut centres = vec![nalgebra::Point::from([0.0, 0.0])];
+                let mut centres = vec![[0.0, 0.0]];
                 for k in 1..radii.len() {
                     let distance = (radii[k - 1] + radii[k])
                         * (1.0 + [0.0, 1e-16, -1e-16, 1e-8, -1e-8, 1e-7, -1e-7][k % 7]);
                     x += distance * if k % 3 == 0 { 0.75 } else { 1.0 };
-                    centres.push(nalgebra::Point::from([x, 0.0]));
+                    centres.push([x, 0.0]);
                 }
-                let scene = AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
+                let scene = AnyScene::at(centres, radii).unwrap();
                 let Ok(scene) = scene.stored(arithmetic) else { continue };
                 let AnyScene::Plane(scene) = scene else { panic!("made in the plane") };
                 let _ = with_stored(&scene, arithmetic.test(), &mut pairs);

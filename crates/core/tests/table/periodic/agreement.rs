@@ -21,10 +21,7 @@ struct Seen {
     refused: usize,
 }
 
-fn agree<const D: usize>(seeds: std::ops::Range<u64>, seen: &mut Seen)
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
+fn agree<const D: usize>(seeds: std::ops::Range<u64>, seen: &mut Seen) {
     let mut detectors: Vec<_> = detectors()
         .flat_map(|entry| {
             let threads = if entry.threads { 1..3 } else { 1..2 };
@@ -88,10 +85,7 @@ fn detectors_find_the_truth_in_space() {
 /// many more images and finds no further contacts.
 #[test]
 fn no_further_image_touches_in_a_rounded_arithmetic() {
-    fn with_more<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic) -> usize
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
+    fn with_more<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic) -> usize {
         let periodic = bag.periodic();
         let frame = Frame::<D>::new(periodic.lattice()).unwrap();
         let n = bag.centres.len();
@@ -108,7 +102,7 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
         let mut add = |k: usize, t: [i32; 3]| {
             let t = frame.given(t).unwrap();
             let image = std::array::from_fn(|v| wraps[k][v] + t[v]);
-            centres.push(nalgebra::Point::from(frame.place(array(&scene.centres()[k]), image)));
+            centres.push(frame.place(array(&scene.centres()[k]), image));
             radii.push(scene.radius(k));
             names.push((k as u32, image));
         };
@@ -119,7 +113,7 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
                 images.filter(|&image| image > [0; 3]).for_each(|image| add(k, image));
             }
         }
-        let open = AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
+        let open = AnyScene::at(centres, radii).unwrap();
         let Ok(open) = open.stored(arithmetic) else { return 0 };
         let mut found = Vec::new();
         let pair = |a: u32, b: u32| {

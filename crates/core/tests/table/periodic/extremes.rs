@@ -61,7 +61,7 @@ fn invalid_periodic_scenes_are_errors() {
     let bag = of(&[[0.5; 3]], 0.25, cube(1.0));
     let scene = bag.periodic().scene().stored(Arithmetic::F32).unwrap();
     assert_eq!(Periodic::new(scene, bag.lattice()), Err(PeriodicError::Storage));
-    let discs = Scene::new(vec![nalgebra::Point::from([0.0, 0.0])], Radii::Uniform(1.0)).unwrap();
+    let discs = Scene::at([[0.0, 0.0]], 1.0).unwrap();
     let leaves = [[1.0, 0.0, 0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let leaves = Lattice::new(leaves, [true; 3], [0.0; 3]).unwrap();
     let refused = Periodic::new(discs.clone().into(), leaves);
@@ -125,10 +125,8 @@ fn arbitrary_doubles_never_panic() {
         let origin = std::array::from_fn(|_| any(wild));
         let Ok(lattice) = Lattice::new(vectors, periodic, origin) else { continue };
         boxes += 1;
-        let centres: Vec<_> = (0..turn % 4)
-            .map(|_| nalgebra::Point::from(std::array::from_fn::<f64, 3, _>(|_| any(wild))))
-            .collect();
-        let scene = Scene::new(centres, Radii::Uniform(any(wild).abs())).unwrap();
+        let rows: Vec<_> = (0..turn % 4).map(|_| [(); 3].map(|()| any(wild))).collect();
+        let scene = Scene::at(rows, any(wild).abs()).unwrap();
         let scene = Periodic::new(scene.into(), lattice).unwrap();
         let limit = 1 << 13;
         for arithmetic in [Arithmetic::Exact, Arithmetic::F32] {

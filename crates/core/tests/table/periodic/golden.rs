@@ -18,10 +18,7 @@ fn along_axes(lengths: [f64; 3]) -> [[f64; 3]; 3] {
 }
 
 /// Counts each particle's contacts, which all detectors must find; self-contacts count twice.
-fn neighbours<const D: usize>(bag: &Bag<D>) -> Vec<usize>
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
+fn neighbours<const D: usize>(bag: &Bag<D>) -> Vec<usize> {
     let pairs = bag.truth();
     all_find(bag, &pairs);
     let mut counts = vec![0; bag.centres.len()];

@@ -32,21 +32,18 @@ struct Bag<const D: usize> {
     origin: [f64; 3],
 }
 
-impl<const D: usize> Bag<D>
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
+impl<const D: usize> Bag<D> {
     fn lattice(&self) -> Lattice {
         Lattice::new(self.vectors, self.periodic, self.origin).unwrap()
     }
 
     fn scene(&self) -> Scene<'static, f64, D> {
-        let centres: Vec<_> = self.centres.iter().copied().map(nalgebra::Point::from).collect();
-        Scene::new(centres, self.radii.clone()).unwrap()
+        Scene::at(self.centres.iter().copied(), self.radii.clone()).unwrap()
     }
 
     fn periodic(&self) -> Periodic<'static> {
-        Periodic::new(self.scene().into(), self.lattice()).unwrap()
+        let scene = AnyScene::at(self.centres.iter().copied(), self.radii.clone()).unwrap();
+        Periodic::new(scene, self.lattice()).unwrap()
     }
 
     /// Returns S·H in f64; used only if all products and sums are exact.
@@ -82,10 +79,7 @@ fn count(
     (contacts.digest(), tally)
 }
 
-fn all_find<const D: usize>(bag: &Bag<D>, expected: &[ImagePair])
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
+fn all_find<const D: usize>(bag: &Bag<D>, expected: &[ImagePair]) {
     let periodic = bag.periodic();
     for entry in detectors() {
         let found = ask(&mut *entry.make(OPTIONS), &periodic, Arithmetic::Exact);

@@ -19,10 +19,7 @@ fn hold(plane: Relation<2>, space: Relation<3>) {
     }
 }
 
-fn hold_in<const D: usize>(relation: Relation<D>, arithmetic: Arithmetic) -> usize
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
+fn hold_in<const D: usize>(relation: Relation<D>, arithmetic: Arithmetic) -> usize {
     let mut contacts = 0;
     for seed in 0..20 {
         for (k, entry) in detectors().enumerate() {
@@ -84,10 +81,7 @@ fn the_corner_of_the_box_changes_no_contact() {
 
 #[test]
 fn shifts_by_box_vectors_change_only_the_images() {
-    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D>
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
         let most = [1, 5, 100_000][random.random_range(0..3)];
         let by: Vec<[i32; 3]> = bag.centres.iter().map(|_| numbers(bag, most, random)).collect();
         let centres = bag.centres.iter().zip(&by).map(|(x, &by)| moved(x, bag.shift(by))).collect();
@@ -128,10 +122,7 @@ fn other_vectors_of_a_lattice_change_only_the_images() {
 }
 
 /// Joins `times` copies of the box along periodic vectors into one box.
-pub fn supercell<const D: usize>(bag: &Bag<D>, times: [i32; 3]) -> Bag<D>
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
+pub fn supercell<const D: usize>(bag: &Bag<D>, times: [i32; 3]) -> Bag<D> {
     let times: [i32; 3] = std::array::from_fn(|v| if bag.periodic[v] { times[v] } else { 1 });
     let mut many = Bag { centres: Vec::new(), ..bag.clone() };
     let (mut copies, mut radii) = (0, Vec::new());
@@ -154,10 +145,7 @@ where
 
 #[test]
 fn a_box_repeated_has_each_contact_once_in_every_copy() {
-    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D>
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
         let n = bag.centres.len() as u32;
         let times = bag.periodic.map(|repeats| if repeats { random.random_range(1..4) } else { 1 });
         let copy = move |k: u32, place: [i32; 3]| {

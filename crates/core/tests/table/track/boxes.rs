@@ -1,8 +1,7 @@
 use contactbench_core::contact::{Arithmetic, Test};
 use contactbench_core::periodic::{self, Contacts, ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Lattice, Radii};
 use contactbench_core::track::{Frame, Tracker};
-use nalgebra::Point;
 
 use super::{Draw, tracker};
 
@@ -53,10 +52,7 @@ const TILTED: Course = Course {
 };
 
 impl Course {
-    fn frames<const D: usize>(&self) -> Vec<Periodic<'static>>
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
+    fn frames<const D: usize>(&self) -> Vec<Periodic<'static>> {
         let Course { n, edges, tilt, open, sizes, change, named, seed } = *self;
         let mut draw = Draw(seed << 32);
         let mut points = |size: f64| -> Vec<[f64; 3]> {
@@ -101,10 +97,9 @@ impl Course {
                 let sum = |axis: usize| (0..3).map(|v| by[v] * of[v][axis]).sum::<f64>();
                 std::array::from_fn(|axis| at[axis] + sum(axis))
             };
-            let centres: Vec<Point<f64, D>> =
-                (0..n).map(|i| Point::from(std::array::from_fn(|axis| brought(i)[axis]))).collect();
-            let scene = Scene::new(centres, radii.clone()).unwrap();
-            Periodic::new(scene.into(), lattice).unwrap()
+            let row = |i| std::array::from_fn(|axis| brought(i)[axis]);
+            let scene = AnyScene::at::<D>((0..n).map(row), radii.clone()).unwrap();
+            Periodic::new(scene, lattice).unwrap()
         };
         (0..14).map(frame).collect()
     }
@@ -116,13 +111,9 @@ fn boxed<const D: usize>(
     vectors: [[f64; 3]; 3],
     periodic: [bool; 3],
     corner: [f64; 3],
-) -> Periodic<'static>
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
-    let centres: Vec<_> = centres.into_iter().map(Point::from).collect();
-    let scene = Scene::new(centres, Radii::Uniform(radius)).unwrap();
-    Periodic::new(scene.into(), Lattice::new(vectors, periodic, corner).unwrap()).unwrap()
+) -> Periodic<'static> {
+    let scene = AnyScene::at(centres, radius).unwrap();
+    Periodic::new(scene, Lattice::new(vectors, periodic, corner).unwrap()).unwrap()
 }
 
 /// Returns the numbers of missed contacts, all contacts, and frames in which a list was built.
@@ -332,9 +323,9 @@ fn pairs_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
 
 #[test]
 fn trackers_refuse_rounded_arithmetic_in_boxes() {
-    let scene = Scene::new(vec![Point::from([0.25, 0.5])], Radii::Uniform(0.5)).unwrap();
+    let scene = AnyScene::at([[0.25, 0.5]], 0.5).unwrap();
     let lattice = Lattice::along_axes([1.0; 3], [true, true, false]).unwrap();
-    let boxed = Periodic::new(scene.clone().into(), lattice).unwrap();
+    let boxed = Periodic::new(scene.clone(), lattice).unwrap();
     let mut contacts = Contacts::default();
     let mut step = |text: &str, arithmetic| {
         contacts.clear();
@@ -348,7 +339,7 @@ fn trackers_refuse_rounded_arithmetic_in_boxes() {
     let mut tracker = tracker("verlet(nbs,skin=0.5)");
     for _ in 0..3 {
         let mut pairs = Vec::new();
-        let step = tracker.step(&scene.clone().into(), Test::Exact, None, &mut pairs).unwrap();
+        let step = tracker.step(&scene, Test::Exact, None, &mut pairs).unwrap();
         assert!(step.built && pairs.is_empty());
         let mut contacts = Contacts::default();
         let step =

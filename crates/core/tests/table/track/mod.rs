@@ -5,10 +5,9 @@ use contactbench_core::contact::{Arithmetic, Test};
 use contactbench_core::detect::{Options, Refusal};
 use contactbench_core::oracle;
 use contactbench_core::periodic::{self, Contacts, Periodic};
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Lattice, Radii};
 use contactbench_core::sink::{normalise, splitmix64};
 use contactbench_core::track::{Frame, Step, Tracker, parse};
-use nalgebra::Point;
 
 /// Random numbers, uniform in [-1, 1), from a counter.
 struct Draw(u64);
@@ -35,10 +34,7 @@ fn frames<const D: usize>(
     sizes: bool,
     motion: Motion,
     seed: u64,
-) -> Vec<AnyScene<'static>>
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
+) -> Vec<AnyScene<'static>> {
     let mut draw = Draw(seed << 32);
     let edge = 0.6 * (n as f64).powf(1.0 / D as f64);
     let mut points = |size: f64| -> Vec<[f64; D]> {
@@ -56,10 +52,8 @@ where
             Motion::Few if i.is_multiple_of(9) => f64::from(k) * 3.0 * velocities[i][axis],
             Motion::Few => 0.0,
         };
-        let centres: Vec<Point<f64, D>> = (0..n)
-            .map(|i| Point::from(std::array::from_fn(|axis| first[i][axis] + along(i, axis))))
-            .collect();
-        Scene::new(centres, radii.clone()).unwrap().into()
+        let row = |i: usize| std::array::from_fn(|axis| first[i][axis] + along(i, axis));
+        AnyScene::at::<D>((0..n).map(row), radii.clone()).unwrap()
     };
     (0..12).map(frame).collect()
 }
@@ -93,10 +87,7 @@ fn tracker(text: &str) -> Box<dyn Tracker> {
 /// frame on, for any skin.
 #[test]
 fn a_fresh_list_contains_pairs_that_rounding_accepts() {
-    let pair = |x: [f64; 2], r: f64| -> AnyScene<'static> {
-        let centres = x.map(|x| Point::from([x, 0.0])).to_vec();
-        Scene::new(centres, Radii::Uniform(r)).unwrap().into()
-    };
+    let pair = |x: [f64; 2], r: f64| AnyScene::at(x.map(|x| [x, 0.0]), r).unwrap();
     for (x, r, arithmetic) in [
         ([-1e-9, 1.0], 0.5, Arithmetic::F32),
         ([0.0, 1e-170], 0.0, Arithmetic::F64),
@@ -124,10 +115,7 @@ fn a_fresh_list_contains_pairs_that_rounding_accepts() {
 /// Skins and particles that overflow are refused; displacements that overflow exceed any skin.
 #[test]
 fn numbers_that_overflow_lose_nothing() {
-    let frame = |x: f64, r: f64| -> AnyScene<'static> {
-        let centres = [-x, x].map(|x| Point::from([x, 0.0])).to_vec();
-        Scene::new(centres, Radii::Uniform(r)).unwrap().into()
-    };
+    let frame = |x: f64, r: f64| AnyScene::at([[-x, 0.0], [x, 0.0]], r).unwrap();
     let mut pairs = Vec::new();
     for (skin, r) in [("1e308", 1.0), ("0", f64::MAX), ("0.5", 1e308)] {
         let refused = tracker(&format!("verlet(direct,skin={skin})"))
@@ -197,8 +185,8 @@ fn unsafe_rules_miss_contacts_and_lammps_says_dangerous() {
 
 /// 49 discs of diameter 2 on a square lattice with this spacing.
 fn grid(apart: f64) -> AnyScene<'static> {
-    let at = |k: i32| Point::from([k % 7, k / 7].map(|x| apart * f64::from(x)));
-    Scene::new((0..49).map(at).collect::<Vec<_>>(), Radii::Uniform(1.0)).unwrap().into()
+    let at = |k: i32| [k % 7, k / 7].map(|x| apart * f64::from(x));
+    AnyScene::at((0..49).map(at), 1.0).unwrap()
 }
 
 #[test]
@@ -215,10 +203,7 @@ fn changed_particles_or_radii_start_a_new_list() {
         assert_eq!(missed(&mut *tracker(text), &mixed, Arithmetic::Exact)[0], 0, "{text}");
     }
     // A particle grows, so it gains contacts without any displacement.
-    let grown = |r: f64| -> AnyScene<'static> {
-        let centres = [[0.0, 0.0], [3.0, 0.0]].map(Point::from).to_vec();
-        Scene::new(centres, Radii::Each(vec![r, 1.0].into())).unwrap().into()
-    };
+    let grown = |r: f64| AnyScene::at([[0.0, 0.0], [3.0, 0.0]], vec![r, 1.0]).unwrap();
     let [lost, all] = missed(
         &mut *tracker("verlet(nbs,skin=0.1)"),
         &[grown(1.0), grown(2.5), grown(1.0)],
@@ -255,7 +240,7 @@ fn a_refusal_starts_a_new_list() {
         let refused = step(&mut *huge, &far).unwrap_err();
         assert!(refused.to_string().contains("skin"), "{refused}");
     }
-    let alone = Scene::new(vec![Point::from([0.0, 0.0])], Radii::Uniform(1.0)).unwrap().into();
+    let alone = AnyScene::at([[0.0, 0.0]], 1.0).unwrap();
     for text in ["verlet(direct,skin=9)", "verlet(direct,skin=0)", "direct"] {
         let mut tracker = make(text, 300);
         assert!(step(&mut *tracker, &near).is_err(), "{text}");
@@ -286,8 +271,8 @@ fn formulas_give_the_bytes_of_the_arrays() {
 fn a_box_so_long_that_rounding_exceeds_the_radii_has_no_list() {
     let mut draw = Draw(9);
     let mut place = || 2.17 + 2.17 * draw.symmetric();
-    let centres: Vec<_> = (0..12).map(|_| Point::from([place(), place()])).collect();
-    let scene: AnyScene<'_> = Scene::new(centres, Radii::Uniform(0.25)).unwrap().into();
+    let rows = (0..12).map(|_| [place(), place()]);
+    let scene = AnyScene::at(rows, 0.25).unwrap();
     for (length, builds) in [(1e9, 1), (1e14, 3), (4.3e16, 3)] {
         let lattice = Lattice::along_axes([length, 4.34, 0.0], [true, true, false]).unwrap();
         let frame = Periodic::new(scene.clone(), lattice).unwrap();

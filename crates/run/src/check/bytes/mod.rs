@@ -22,7 +22,7 @@ pub use held::{fuzz_box, fuzz_one};
 pub use readers::{fuzz_reader, fuzz_reader_of, reader, readers};
 
 use crate::check::numbers::Numbers;
-use contactbench_core::scene::{AnyScene, Radii, Scene, SceneError};
+use contactbench_core::scene::{AnyScene, SceneError};
 
 const MOST: usize = 64;
 
@@ -227,16 +227,10 @@ impl<'a> Maker<'a> {
     fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
         // Equal radii are not merged, because detectors have separate code for a radius per
         // particle.
-        let radii = if self.mixed {
-            Radii::Each(self.numbers.radii().collect::<Vec<_>>().into())
-        } else {
-            Radii::Uniform(self.radius)
-        };
-        Ok(if self.numbers.dim == 2 {
-            AnyScene::from(Scene::<f64, 2>::new(self.numbers.centres(), radii)?)
-        } else {
-            AnyScene::from(Scene::<f64, 3>::new(self.numbers.centres(), radii)?)
-        })
+        match self.mixed {
+            true => self.numbers.scene_of(self.numbers.radii().collect::<Vec<_>>()),
+            false => self.numbers.scene_of(self.radius),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 use super::*;
 use contactbench_core::detect::{Options, table};
 use contactbench_core::periodic::{self, BRUTE_FORCE, depth};
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_core::scene::{AnyScene, Lattice};
 use contactbench_scenes::spec::Spec;
 use contactbench_scenes::touching::{in_open_space, nearest, particle};
 
@@ -15,15 +15,13 @@ fn skin(skin: f64) -> Allowed {
 /// Returns unit discs at 0, 1, 3, 10 and 20. Discs 0 and 1 overlap by one radius, 1 and 2 are
 /// tangent, 0 and 2 have a gap of 1.
 fn row() -> AnyScene<'static> {
-    let centres = [0.0, 1.0, 3.0, 10.0, 20.0].map(|x| nalgebra::Point::from([x, 0.0]));
-    Scene::<f64, 2>::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into()
+    AnyScene::at([0.0, 1.0, 3.0, 10.0, 20.0].map(|x| [x, 0.0]), 1.0).unwrap()
 }
 
 fn discs(centres: &[[f64; 2]], radius: f64, edges: [f64; 2]) -> Periodic<'static> {
-    let centres: Vec<_> = centres.iter().copied().map(nalgebra::Point::from).collect();
-    let scene = Scene::new(centres, Radii::Uniform(radius)).unwrap();
+    let scene = AnyScene::at(centres.iter().copied(), radius).unwrap();
     let lattice = Lattice::along_axes([edges[0], edges[1], 0.0], [true, true, false]).unwrap();
-    Periodic::new(scene.into(), lattice).unwrap()
+    Periodic::new(scene, lattice).unwrap()
 }
 
 fn ask(
@@ -262,13 +260,10 @@ fn a_skin_is_recognised_together_with_another_box() {
 
 #[test]
 fn the_nearest_image_is_found() {
-    let scene = Scene::new(
-        vec![nalgebra::Point::from([100.25, -3.0, 0.0]), nalgebra::Point::from([0.0, 0.0, 0.5])],
-        Radii::Uniform(0.5),
-    );
+    let scene = AnyScene::at([[100.25, -3.0, 0.0], [0.0, 0.0, 0.5]], 0.5);
     let vectors = [[4.0, 0.0, 0.0], [3.0, 1.0, 0.0], [0.0, 0.0, 9.0]];
     let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
-    let periodic = Periodic::new(scene.unwrap().into(), lattice).unwrap();
+    let periodic = Periodic::new(scene.unwrap(), lattice).unwrap();
     // After subtracting -3 second and 27 first vectors, (1.25, 0) is left. After -4 and 28, (0.25,
     // 1) is left, which is shorter, although the fractions of the difference are 27.3125 and -3.
     let pair = nearest(&periodic, [0, 1]);

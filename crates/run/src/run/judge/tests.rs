@@ -1,10 +1,9 @@
 use super::*;
 use contactbench_core::periodic::ImagePair;
-use contactbench_core::scene::{Lattice, Radii, Scene};
+use contactbench_core::scene::{Lattice, Scene};
 
 fn row() -> Scene<'static, f64, 2> {
-    let centres = [0.0, 2.0, 4.0, 6.0].map(|x| nalgebra::Point::from([x, 0.0]));
-    Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap()
+    Scene::at([0.0, 2.0, 4.0, 6.0].map(|x| [x, 0.0]), 1.0).unwrap()
 }
 
 fn boxed(scene: Scene<'static, f64, 2>) -> Given {
@@ -88,8 +87,7 @@ fn errors_in_a_box_have_their_causes() {
     // Two discs have a gap of 2^-30 through a face. Along x, the gap is lost by storing coordinates
     // in f32; along y, by rounding squares in f64.
     let causes = |x: f64, y: f64, arithmetic| {
-        let centres = [[x, y], [7.5, 4.0]].map(nalgebra::Point::from).to_vec();
-        let given = boxed(Scene::new(centres, Radii::Uniform(0.5)).unwrap());
+        let given = boxed(Scene::at([[x, y], [7.5, 4.0]], 0.5).unwrap());
         let mut judge = Judge::new(&given, 1 << 20).unwrap();
         let said: Contacts = [ImagePair::new(0, 1, [-1, 0, 0])].into_iter().collect();
         let judged = judged(&mut judge, arithmetic, &said, Ok(&said));

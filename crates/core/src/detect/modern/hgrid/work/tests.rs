@@ -1,6 +1,5 @@
 //! Compares the model of the work with the published model and with counts.
 
-use nalgebra::Point;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -10,7 +9,7 @@ use crate::detect::modern::hgrid::levels::Levels;
 use crate::detect::modern::hgrid::{Borders, HGrid, Parting};
 use crate::detect::{Detector, Options};
 use crate::probe::{Op, Tally};
-use crate::scene::{AnyScene, Radii, Scene};
+use crate::scene::Scene;
 use crate::sink::Digest;
 
 /// Returns `n` radii up to 1 as quantiles of a power law: number density r^exponent, such as r^-3.
@@ -24,17 +23,13 @@ fn power(n: u32, ratio: f64, exponent: f64) -> Vec<f64> {
     (0..n).map(quantile).collect()
 }
 
-fn filled<const D: usize>(radii: Vec<f64>, fraction: f64, seed: u64) -> Scene<'static, f64, D>
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
+fn filled<const D: usize>(radii: Vec<f64>, fraction: f64, seed: u64) -> Scene<'static, f64, D> {
     let ball = if D == 2 { std::f64::consts::PI } else { std::f64::consts::PI * 4.0 / 3.0 };
     let volume: f64 = radii.iter().map(|r| ball * r.powi(D as i32)).sum();
     let edge = (volume / fraction).powf(1.0 / D as f64);
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
-    let centres: Vec<Point<f64, D>> = (0..radii.len()).map(centre).collect();
-    Scene::new(centres, Radii::Each(radii.into())).unwrap()
+    let centre = |_| std::array::from_fn(|_| edge * random.random::<f64>());
+    Scene::at((0..radii.len()).map(centre), radii).unwrap()
 }
 
 /// Returns the counted work of `hgrid`, and the modelled work for its levels.
@@ -99,10 +94,7 @@ fn in_a_wide_box_the_model_is_the_published_one() {
 /// Counted and modelled work agree within 5% for all size ratios, packings, exponents and levels.
 #[test]
 fn counted_work_is_as_modelled() {
-    fn check<const D: usize>() -> f64
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
+    fn check<const D: usize>() -> f64 {
         let borders = Borders::parse("0.05/0.2/0.7").unwrap();
         let ratio = |ratio| Parting::Ratio(Some(ratio));
         let partings = [
@@ -140,10 +132,7 @@ fn counted_work_is_as_modelled() {
 
 #[test]
 fn the_optimum_is_no_worse_than_any_ratio() {
-    fn check<const D: usize>()
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
+    fn check<const D: usize>() {
         let giants = |n: u32| (0..n).map(|k| if k % 500 == 0 { 1.0 } else { 0.02 }).collect();
         let scenes = [
             power(3000, 2.0, -3.0),
