@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::process::ExitCode;
 
+use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 
 use crate::cli::shared::terminal;
@@ -26,15 +27,19 @@ pub struct List {
     json: bool,
 }
 
-#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
-enum What {
-    Detectors,
-    Arithmetics,
-    Scenes,
-    Motions,
-    Trackers,
-    Experiments,
-    HardCases,
+contactbench_terms::named! {
+    /// The kinds of things that are listed, with the titles of their tables.
+    #[derive(Clone, Copy, PartialEq, ValueEnum)]
+    pub enum What {
+        Detectors = "DETECTORS (N particles; nx, ny, nz cells per axis; memory in bytes; \
+                     parameters with their values, the default first)",
+        Arithmetics = "ARITHMETICS",
+        Scenes = "SCENES (parameters with their defaults in 2D, 3D; lengths in diameters)",
+        Motions = "MOTIONS (with speed=NUMBER, in diameters per frame, and seed=NUMBER)",
+        Trackers = "TRACKERS (skins in diameters of the largest particle)",
+        Experiments = "EXPERIMENTS (* part of the standard reproduction)",
+        HardCases = "HARD CASES (in experiments: name = \"hard\", case = \"NAME\")",
+    }
 }
 
 /// A listed thing, as lines for people and as JSON.
@@ -45,40 +50,10 @@ struct Item {
 }
 
 impl What {
-    /// The kinds listed by default: all but the hundred hard cases, which would hide the rest.
-    const USUAL: [What; 6] = [
-        What::Detectors,
-        What::Arithmetics,
-        What::Scenes,
-        What::Motions,
-        What::Trackers,
-        What::Experiments,
-    ];
-
-    /// Returns the key in JSON, and the title of the table.
-    fn names(self) -> [&'static str; 2] {
-        match self {
-            What::Detectors => [
-                "detectors",
-                "DETECTORS (N particles; nx, ny, nz cells per axis; memory in bytes; parameters \
-                 with their values, the default first)",
-            ],
-            What::Arithmetics => ["arithmetics", "ARITHMETICS"],
-            What::Scenes => [
-                "scenes",
-                "SCENES (parameters with their defaults in 2D, 3D; lengths in diameters)",
-            ],
-            What::Motions => {
-                ["motions", "MOTIONS (with speed=NUMBER, in diameters per frame, and seed=NUMBER)"]
-            }
-            What::Trackers => ["trackers", "TRACKERS (skins in diameters of the largest particle)"],
-            What::Experiments => {
-                ["experiments", "EXPERIMENTS (* part of the standard reproduction)"]
-            }
-            What::HardCases => {
-                ["hard_cases", "HARD CASES (in experiments: name = \"hard\", case = \"NAME\")"]
-            }
-        }
+    /// Returns the key in JSON.
+    fn key(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or(String::new(), |value| value.get_name().replace('-', "_"))
     }
 
     fn items(self) -> anyhow::Result<Vec<Item>> {
@@ -103,19 +78,21 @@ impl What {
             .chain(more.then(|| (String::new(), vec![libraries])))
             .collect();
         let lines = |lines: &[String]| [lines, &[String::new()]].concat();
-        let table = Table::of(self.names()[1], &rows).left("", |row| row.0.as_str());
+        let table = Table::of(self.name(), &rows).left("", |row| row.0.as_str());
         Ok(table.left("", |row| lines(&row.1)).into())
     }
 }
 
 pub fn list(options: &List) -> anyhow::Result<ExitCode> {
     let mut out = terminal::out();
-    let wanted = options.what.map_or(What::USUAL.to_vec(), |what| vec![what]);
+    // The hundred hard cases would hide the rest.
+    let usual = || What::ALL.into_iter().filter(|what| *what != What::HardCases).collect();
+    let wanted: Vec<What> = options.what.map_or_else(usual, |what| vec![what]);
     if options.json {
         let mut all = Map::new();
         for what in wanted {
             let items = what.items()?.into_iter().map(|item| item.json);
-            all.insert(what.names()[0].into(), items.collect());
+            all.insert(what.key(), items.collect());
         }
         terminal::json(&Value::Object(all))?;
     } else {

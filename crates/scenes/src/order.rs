@@ -7,24 +7,14 @@ use contactbench_core::scene::{AnyScene, Real, array};
 use contactbench_core::with_scene;
 use contactbench_terms::nearest::hint;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Order {
-    #[default]
-    Shuffled,
-    /// The order in which the generator makes the particles, or that of the file.
-    Generated,
-    Morton,
-}
-
-impl Order {
-    pub const ALL: [Order; 3] = [Order::Shuffled, Order::Generated, Order::Morton];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Order::Shuffled => "shuffled",
-            Order::Generated => "generated",
-            Order::Morton => "morton",
-        }
+contactbench_terms::named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+    pub enum Order {
+        #[default]
+        Shuffled = "shuffled",
+        /// The order in which the generator makes the particles, or that of the file.
+        Generated = "generated",
+        Morton = "morton",
     }
 }
 
@@ -88,7 +78,6 @@ fn codes<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_core::scene::{Radii, Scene};
 
     #[test]
     fn morton_order_survives_huge_and_equal_coordinates() {
@@ -96,9 +85,7 @@ mod tests {
         for (points, order) in
             [(huge, vec![2, 1, 0]), (vec![[5.0, 5.0]; 3], vec![0, 1, 2]), (vec![], vec![])]
         {
-            let points: Vec<_> = points.into_iter().map(nalgebra::Point::from).collect();
-            let scene = Scene::<f64, 2>::new(points, Radii::Uniform(1.0)).unwrap();
-            assert_eq!(morton(&scene.into()), order);
+            assert_eq!(morton(&AnyScene::at(points, 1.0).unwrap()), order);
         }
     }
 }

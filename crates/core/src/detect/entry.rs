@@ -19,38 +19,22 @@ pub enum Role {
     Peer,
 }
 
-/// A name for several detectors in experiments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Group {
-    /// Detectors of Munjiza's book.
-    Book,
-    /// Grids, trees and sweeps as they are used today.
-    Modern,
-    /// Forms of NBS for caches and vector registers.
-    Streamed,
-    /// Controls of the measurement.
-    Controls,
-    /// Further twins of detectors, for experiments that need to measure noise well.
-    Twins,
-    /// Libraries from outside this project.
-    Peers,
-}
-
-impl Group {
-    /// All groups, in the order of the table.
-    pub const ALL: [Group; 6] =
-        [Group::Book, Group::Modern, Group::Streamed, Group::Controls, Group::Twins, Group::Peers];
-
-    /// Returns the group's name in experiments.
-    pub fn name(self) -> &'static str {
-        match self {
-            Group::Book => "@book",
-            Group::Modern => "@modern",
-            Group::Streamed => "@streamed",
-            Group::Controls => "@controls",
-            Group::Twins => "@twins",
-            Group::Peers => "@peers",
-        }
+contactbench_terms::named! {
+    /// A name for several detectors in experiments.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Group {
+        /// Detectors of Munjiza's book.
+        Book = "@book",
+        /// Grids, trees and sweeps as they are used today.
+        Modern = "@modern",
+        /// Forms of NBS for caches and vector registers.
+        Streamed = "@streamed",
+        /// Controls of the measurement.
+        Controls = "@controls",
+        /// Further twins of detectors, for experiments that need to measure noise well.
+        Twins = "@twins",
+        /// Libraries from outside this project.
+        Peers = "@peers",
     }
 }
 

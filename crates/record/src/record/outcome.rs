@@ -46,24 +46,27 @@ impl Pass {
     }
 }
 
-/// How a planned measurement ended. Every planned cell has a row.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum Outcome {
-    #[default]
-    Ok,
-    /// Contacts were lost, as textbook filters and some trackers may. The row contains the errors.
-    Lossy,
-    /// A wrong answer; its time is not used.
-    Wrong,
-    Control,
-    Timeout,
-    OutOfMemory,
-    Refused,
-    Unavailable,
-    Crashed,
+contactbench_terms::named! {
+    /// How a planned measurement ended. Every planned cell has a row.
+    #[derive(
+        Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+    )]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Outcome {
+        #[default]
+        Ok = "ok",
+        /// Contacts were lost, as textbook filters and some trackers may. The row contains the
+        /// errors.
+        Lossy = "lossy",
+        /// A wrong answer; its time is not used.
+        Wrong = "wrong",
+        Control = "control",
+        Timeout = "timeout",
+        OutOfMemory = "out-of-memory",
+        Refused = "refused",
+        Unavailable = "unavailable",
+        Crashed = "crashed",
+    }
 }
 
 impl Outcome {
@@ -74,19 +77,5 @@ impl Outcome {
     /// Whether the detector is not called again on this scene.
     pub fn is_final(self) -> bool {
         !self.is_good() && self != Outcome::Wrong
-    }
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Outcome::Ok => "ok",
-            Outcome::Lossy => "lossy",
-            Outcome::Wrong => "wrong",
-            Outcome::Control => "control",
-            Outcome::Timeout => "timeout",
-            Outcome::OutOfMemory => "out-of-memory",
-            Outcome::Refused => "refused",
-            Outcome::Unavailable => "unavailable",
-            Outcome::Crashed => "crashed",
-        }
     }
 }

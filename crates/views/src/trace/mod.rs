@@ -45,23 +45,14 @@ pub const MOST_PARTICLES: usize = 60;
 pub const MOST_CELLS: u32 = 40;
 pub const MOST_STEPS: usize = 3000;
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum Algorithm {
-    #[default]
-    Nbs,
-    Sorting,
-    Screening,
-    BinaryTree,
-}
-
-impl Algorithm {
-    pub fn name(self) -> &'static str {
-        match self {
-            Algorithm::Nbs => "nbs",
-            Algorithm::Sorting => "sorting",
-            Algorithm::Screening => "screening",
-            Algorithm::BinaryTree => "binary-tree",
-        }
+contactbench_terms::named! {
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+    pub enum Algorithm {
+        #[default]
+        Nbs = "nbs",
+        Sorting = "sorting",
+        Screening = "screening",
+        BinaryTree = "binary-tree",
     }
 }
 

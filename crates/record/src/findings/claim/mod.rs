@@ -20,26 +20,17 @@ use crate::findings::trust::coverage::{Coverage, Uncovered};
 use crate::record::row::Outcome;
 use contactbench_terms::number::plural;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// The claim is true in every planned cell.
-    Holds,
-    /// The claim is false in some cell, or impossible to check as written.
-    Fails,
-    /// The claim is true in all measured cells, but some planned cells are missing.
-    NotCovered,
-    /// There are no data, or too few to decide.
-    NotShown,
-}
-
-impl Status {
-    pub fn name(self) -> &'static str {
-        match self {
-            Status::Holds => "holds",
-            Status::Fails => "FAILS",
-            Status::NotCovered => "not covered",
-            Status::NotShown => "not shown",
-        }
+contactbench_terms::named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Status {
+        /// The claim is true in every planned cell.
+        Holds = "holds",
+        /// The claim is false in some cell, or impossible to check as written.
+        Fails = "FAILS",
+        /// The claim is true in all measured cells, but some planned cells are missing.
+        NotCovered = "not covered",
+        /// There are no data, or too few to decide.
+        NotShown = "not shown",
     }
 }
 

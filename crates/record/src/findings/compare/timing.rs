@@ -5,29 +5,19 @@ use crate::cells::Cell;
 use crate::stats::interval::{Blocks, COVERAGE, Interval, median};
 use crate::stats::unpaired;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Judgement {
-    /// B takes longer: the interval excludes 1, and the ratio exceeds the noise of equal code.
-    Slower,
-    Faster,
-    Undecided,
-    /// The whole interval lies within the band; it may exclude 1.
-    #[serde(rename = "within-the-band")]
-    WithinBand,
-    /// Times of different machines or kinds of builds, or a reference without times.
-    NotJudged,
-}
-
-impl Judgement {
-    pub fn name(self) -> &'static str {
-        match self {
-            Judgement::Slower => "slower",
-            Judgement::Faster => "faster",
-            Judgement::Undecided => "undecided",
-            Judgement::WithinBand => "within the band",
-            Judgement::NotJudged => "not judged",
-        }
+contactbench_terms::named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Judgement {
+        /// B takes longer: the interval excludes 1, and the ratio exceeds the noise of equal code.
+        Slower = "slower",
+        Faster = "faster",
+        Undecided = "undecided",
+        /// The whole interval lies within the band; it may exclude 1.
+        #[serde(rename = "within-the-band")]
+        WithinBand = "within the band",
+        /// Times of different machines or kinds of builds, or a reference without times.
+        NotJudged = "not judged",
     }
 }
 

@@ -39,24 +39,16 @@ pub const OCTAVES: i32 = 5;
 /// Smallest N that [`Tail`] uses; in smaller scenes, boundaries have too much weight.
 pub const LEAST_TAIL: f64 = 1000.0;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Model {
-    Linear,
-    Linearithmic,
-    Quadratic,
+contactbench_terms::named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Model {
+        Linear = "N",
+        Linearithmic = "N log N",
+        Quadratic = "N²",
+    }
 }
 
 impl Model {
-    pub const ALL: [Model; 3] = [Model::Linear, Model::Linearithmic, Model::Quadratic];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Model::Linear => "N",
-            Model::Linearithmic => "N log N",
-            Model::Quadratic => "N²",
-        }
-    }
-
     /// Parses `N`, `N log N` (or `N log2 N`), `N^2` (or `N²`).
     pub fn parse(text: &str) -> Option<Model> {
         let compact: String = text

@@ -21,26 +21,15 @@ use crate::record::id::Projection;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Why {
-    Stopped,
-    Quick,
-    Shard,
-    NotMerged,
-    Budget,
-    Unavailable,
-}
-
-impl Why {
-    pub fn name(self) -> &'static str {
-        match self {
-            Why::Stopped => "stopped",
-            Why::Quick => "quick run",
-            Why::Shard => "other shard",
-            Why::NotMerged => "not merged",
-            Why::Budget => "budget",
-            Why::Unavailable => "unavailable",
-        }
+contactbench_terms::named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+    pub enum Why {
+        Stopped = "stopped",
+        Quick = "quick run",
+        Shard = "other shard",
+        NotMerged = "not merged",
+        Budget = "budget",
+        Unavailable = "unavailable",
     }
 }
 
