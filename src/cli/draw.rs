@@ -75,9 +75,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         options.motion.is_none() && options.frames.is_none() && options.tracker.is_none(),
         "--motion, --frames and --tracker need a page that plays; write one with -o NAME.html"
     );
-    let Some((name, given)) = options.source.given()? else {
-        bail!("name a particle file, or a scene such as packed:n=200 (contactbench list scenes)");
-    };
+    let (name, given) = options.source.given()?;
     doubt_given(&name, &given, Arithmetic::Exact);
     let periodic = in_any_box(&given)?;
     let (n, dim) = (periodic.scene().len(), periodic.scene().dim());

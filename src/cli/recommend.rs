@@ -3,7 +3,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 use serde_json::json;
 
 use crate::cli::shared::arithmetic::arithmetic;
@@ -52,9 +52,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
-    let Some((name, given)) = options.source.given()? else {
-        bail!("name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)")
-    };
+    let (name, given) = options.source.given()?;
     doubt_given(&name, &given, options.arithmetic);
     let none = given.scene.is_empty();
     ensure!(!none, "{name}: the scene has no particles");

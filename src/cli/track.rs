@@ -85,9 +85,7 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     };
     let done =
         sequence(&options.source, &wanted, |sequence| followed(options, &trackers, sequence))?;
-    done.context(
-        "name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)",
-    )
+    done.context("there is one frame, and nothing moves; add --motion drift")
 }
 
 fn followed(

@@ -89,7 +89,7 @@ fn all(
         let style = style(options, &given, periodic.as_ref(), ids, by_id);
         out.frame(about.frame, &style, found.pairs.iter()).with_context(place)?;
         done.frames += 1;
-        done.pairs += found.pairs.len();
+        done.pairs += found.pairs.iter().len();
         done.time += found.time;
         done.dim = scene.dim();
         let [least, most] = done.particles;

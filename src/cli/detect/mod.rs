@@ -4,7 +4,7 @@ mod search;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use self::search::{Found, Pairs, Search};
@@ -15,11 +15,10 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::values;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::table::{self, TABLE};
-use contactbench_core::periodic::ImagePair;
 use contactbench_io as io;
 use contactbench_io::Frame;
 use contactbench_io::boxes::along;
-use contactbench_io::write::{Extra, Style};
+use contactbench_io::write::Extra;
 use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]
@@ -135,10 +134,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     {
         return frames::detect(options, &spec, Path::new(text));
     }
-    let found = options.source.with_ids(options.needs_ids())?;
-    let Some((name, (given, ids))) = found else {
-        bail!("name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)");
-    };
+    let (name, (given, ids)) = options.source.with_ids(options.needs_ids())?;
     let ids = options.ids(&name, ids)?;
     let n = given.scene.len();
     let mut search = Search::new(options, &spec, options.limit.bytes(n));
@@ -147,7 +143,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let source = given.source.as_ref();
     doubt(&name, &given.scene, source, options.arithmetic, Some(&found.touching));
     let style = search::style(options, &given, periodic.as_ref(), ids.as_deref(), options.ids);
-    write(options, &found.pairs, &style)?;
+    io::write::contacts(options.out.as_deref(), found.pairs.iter(), &style)?;
     let Found { time, memory, pairs, images, .. } = &found;
     let across = match (&given.lattice, pairs) {
         (Some(lattice), Pairs::Boxed(pairs)) => format!(
@@ -162,21 +158,10 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         "{name}: N = {n}, {}D, {}{across}, {:.3} ms, {} held by the detector, {spec}, {} \
          arithmetic",
         given.scene.dim(),
-        plural(pairs.len(), "pair"),
+        plural(pairs.iter().len(), "pair"),
         time.as_secs_f64() * 1e3,
         memory.map_or("memory not measured".into(), crate::cli::bytes),
         options.arithmetic.name()
     );
     Ok(ExitCode::SUCCESS)
-}
-
-fn write(options: &Detect, pairs: &Pairs, style: &Style<'_>) -> anyhow::Result<()> {
-    let path = options.out.as_deref();
-    match pairs {
-        Pairs::Open(pairs) => {
-            let plain = pairs.iter().map(|&[i, j]| ImagePair { i, j, image: [0; 3] });
-            io::write::contacts(path, plain, style)
-        }
-        Pairs::Boxed(pairs) => io::write::contacts(path, pairs.iter().copied(), style),
-    }
 }

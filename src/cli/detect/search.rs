@@ -12,9 +12,7 @@ use contactbench_core::detect::Options;
 use contactbench_core::detect::any::AnyDetector;
 use contactbench_core::detect::spec::DetectorSpec;
 use contactbench_core::pair_list::PAIR_BYTES;
-use contactbench_core::periodic::{
-    Contacts, Finder, IMAGE_PAIR_BYTES, ImagePair, Periodic, without_shift,
-};
+use contactbench_core::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, ImagePair, Periodic};
 use contactbench_core::sink::normalise_by;
 use contactbench_io::Given;
 use contactbench_io::write::Style;
@@ -47,16 +45,11 @@ pub(super) struct Found {
 }
 
 impl Pairs {
-    pub fn len(&self) -> usize {
+    pub fn iter(&self) -> Box<dyn ExactSizeIterator<Item = ImagePair> + '_> {
         match self {
-            Pairs::Open(pairs) => pairs.len(),
-            Pairs::Boxed(pairs) => pairs.len(),
-        }
-    }
-
-    pub fn iter(&self) -> Box<dyn Iterator<Item = ImagePair> + '_> {
-        match self {
-            Pairs::Open(pairs) => Box::new(without_shift(pairs)),
+            Pairs::Open(pairs) => {
+                Box::new(pairs.iter().map(|&[i, j]| ImagePair { i, j, image: [0; 3] }))
+            }
             Pairs::Boxed(pairs) => Box::new(pairs.iter().copied()),
         }
     }

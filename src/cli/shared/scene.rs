@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
-use anyhow::ensure;
+use anyhow::{Context, ensure};
 
 use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::values;
 use contactbench_core::scene::AnyScene;
 use contactbench_io as io;
 use contactbench_io::Given;
+
+const NONE: &str =
+    "name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)";
 
 pub type WithIds = (Given, Option<Vec<i64>>);
 
@@ -28,14 +31,14 @@ impl Source {
         self.named(|text| self.input.scene(text))
     }
 
-    /// Like [`Source::get`], with a periodic box if the scene has one.
-    pub fn given(&self) -> anyhow::Result<Option<(String, Given)>> {
-        self.named(|text| self.input.given(text))
+    /// Like [`Source::get`], with a periodic box if the scene has one. A scene must be named.
+    pub fn given(&self) -> anyhow::Result<(String, Given)> {
+        self.named(|text| self.input.given(text))?.context(NONE)
     }
 
     /// Like [`Source::given`], with the ids of the particles if wanted and present.
-    pub fn with_ids(&self, ids: bool) -> anyhow::Result<Option<(String, WithIds)>> {
-        self.named(|text| self.input.with_ids(text, ids))
+    pub fn with_ids(&self, ids: bool) -> anyhow::Result<(String, WithIds)> {
+        self.named(|text| self.input.with_ids(text, ids))?.context(NONE)
     }
 
     fn named<T>(

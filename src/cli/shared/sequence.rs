@@ -40,8 +40,8 @@ pub struct Wanted {
     pub arithmetic: Arithmetic,
 }
 
-/// Passes the frames to `body`; returns `None` if no scene was named, or there is one frame and no
-/// motion. A file is read once.
+/// Passes the frames to `body`; returns `None` if there is one frame and no motion. A file is read
+/// once.
 pub fn sequence<T>(
     source: &Source,
     wanted: &Wanted,
@@ -63,12 +63,9 @@ pub fn sequence<T>(
     let motion = motion.or(otherwise);
     let moves = motion.is_some() || frames.is_none();
     ensure!(moves, "--frames needs frames, and nothing moves; add --motion drift");
-    let given = source.given()?;
-    given.iter().for_each(|(name, given)| input::doubt_given(name, given, wanted.arithmetic));
-    Ok(match (given, motion) {
-        (Some((name, given)), Some(motion)) => Some(moved(&name, &given, motion, frames, body)?),
-        _ => None,
-    })
+    let (name, given) = source.given()?;
+    input::doubt_given(&name, &given, wanted.arithmetic);
+    motion.map(|motion| moved(&name, &given, motion, frames, body)).transpose()
 }
 
 fn moved<T>(
@@ -105,10 +102,8 @@ fn of_file<T>(
         input::tell(&text, &first.0.notices, Place::Argument);
         let given = first.0.given(&text, radius)?;
         input::doubt_given(&text, &given, wanted.arithmetic);
-        return Ok(match wanted.otherwise {
-            Some(motion) => Some(moved(&name, &given, motion, wanted.frames, body)?),
-            None => None,
-        });
+        let motion = wanted.otherwise;
+        return motion.map(|it| moved(&name, &given, it, wanted.frames, body)).transpose();
     };
     input::tell(&text, &first.0.notices, Place::Argument);
     let particles = first.0.len();
