@@ -1,23 +1,18 @@
 //! Tests of the detectors that divide particles by size, on scenes with many size distributions.
 
 use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::{Options, table};
+use contactbench_core::detect::{Options, Refusal, table};
 use contactbench_core::oracle;
-use contactbench_core::scene::{AnyScene, Radii, Scene};
+use contactbench_core::scene::AnyScene;
 use contactbench_core::sink::Digest;
-use nalgebra::Point;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Returns particles at random positions in a square or cube with this edge.
-pub fn scene<const D: usize>(radii: Vec<f64>, edge: f64, seed: u64) -> AnyScene<'static>
-where
-    AnyScene<'static>: From<Scene<'static, f64, D>>,
-{
+pub fn scene<const D: usize>(radii: Vec<f64>, edge: f64, seed: u64) -> AnyScene<'static> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
-    let centres: Vec<Point<f64, D>> = (0..radii.len()).map(centre).collect();
-    Scene::new(centres, Radii::Each(radii.into())).unwrap().into()
+    let centre = |_| std::array::from_fn(|_| edge * random.random::<f64>());
+    AnyScene::at::<D>((0..radii.len()).map(centre), radii).unwrap()
 }
 
 /// Returns size distributions that could break size classes, with names.
@@ -47,20 +42,47 @@ fn radii() -> Vec<(&'static str, Vec<f64>)> {
 /// Edges of the box, with which nearly all, some, or few strips of cells have neighbours.
 const EDGES: [f64; 3] = [20.0, 150.0, 20_000.0];
 
-fn specs() -> Vec<String> {
+pub const FORMS: [&str; 5] =
+    ["form=auto", "form=dense", "form=flat", "form=sparse", "form=dense,level=portable"];
+
+fn specs() -> Vec<(String, usize)> {
     let ratios = table::find("hgrid").unwrap().parameters[0].values;
     let hgrid = ratios.iter().map(|ratio| format!("hgrid:ratio={ratio}"));
     let levels = ["optimal", "0.1/0.25/1/40", "1e-310/1e300"];
     let hgrid = hgrid.chain(levels.map(|levels| format!("hgrid:levels={levels}")));
-    let streamed =
-        ["form=auto", "form=dense", "form=flat", "form=sparse", "form=dense,level=portable"];
     let nbs = std::iter::once("nbs:levels=auto".to_string());
-    hgrid.chain(nbs).chain(streamed.map(|form| format!("streamed-nbs:{form}"))).collect()
+    let streamed = FORMS.map(|form| format!("streamed-nbs:{form}"));
+    hgrid.chain(nbs).chain(streamed).map(|spec| (spec, 1)).collect()
+}
+
+/// Compares the answers of detectors, each with a number of threads, with the truth in every safe
+/// arithmetic. Returns the numbers of contacts and answers, and of refusals of the extent.
+pub fn compared(scene: &AnyScene<'_>, specs: &[(String, usize)], what: &str) -> [u64; 3] {
+    let mut seen = [0; 3];
+    for arithmetic in Arithmetic::SAFE {
+        let Ok(truth) = oracle::truth(scene, arithmetic) else { continue };
+        let stored = scene.stored(arithmetic).unwrap();
+        for (spec, threads) in specs {
+            let what = format!("{what}, {spec}, {}D, {arithmetic:?}", scene.dim());
+            let options = Options { threads: *threads, ..Options::default() };
+            let (mut detector, mut pairs) = (table::parse(spec).unwrap().make(options), Vec::new());
+            match detector.list(&stored, arithmetic.test(), &mut pairs) {
+                Ok(()) => {
+                    let found = Digest::from_pairs(&pairs);
+                    assert_eq!(found, truth.digest, "{what}");
+                    (seen[0], seen[1]) = (seen[0] + found.contacts, seen[1] + 1);
+                }
+                Err(Refusal::Extent { .. } | Refusal::Domain { .. }) => seen[2] += 1,
+                Err(refusal) => panic!("{what}: {refusal}"),
+            }
+        }
+    }
+    seen
 }
 
 #[test]
 fn levels_lose_nothing() {
-    let (mut contacts, mut answers) = (0, 0);
+    let mut seen = [0; 3];
     for (k, (name, radii)) in radii().into_iter().enumerate() {
         for edge in EDGES {
             let scenes = [
@@ -68,26 +90,10 @@ fn levels_lose_nothing() {
                 scene::<3>(radii.clone(), edge, k as u64),
             ];
             for scene in scenes {
-                for arithmetic in Arithmetic::SAFE {
-                    let Ok(truth) = oracle::truth(&scene, arithmetic) else { continue };
-                    let stored = scene.stored(arithmetic).unwrap();
-                    for spec in specs() {
-                        let spec = table::parse(&spec).unwrap();
-                        let mut digest = Digest::default();
-                        let mut detector = spec.make(Options::default());
-                        detector.visit(&stored, arithmetic.test(), &mut digest).unwrap();
-                        assert_eq!(
-                            digest,
-                            truth.digest,
-                            "{name}, edge {edge}, {spec}, {}D, {arithmetic:?}",
-                            scene.dim()
-                        );
-                        contacts += digest.contacts;
-                        answers += 1;
-                    }
-                }
+                let found = compared(&scene, &specs(), &format!("{name}, edge {edge}"));
+                (0..3).for_each(|k| seen[k] += found[k]);
             }
         }
     }
-    assert!(contacts > 1_000_000 && answers > 1500, "{contacts} {answers}");
+    assert!(seen[0] > 1_000_000 && seen[1] > 1500 && seen[2] == 0, "{seen:?}");
 }
