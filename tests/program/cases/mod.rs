@@ -24,30 +24,37 @@
 //! `CONTACTBENCH_PAGES=write cargo test --test program cases::pages`.
 
 use std::fmt::Display;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::common::{Ended, Place};
 
 const ARRAYS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/arrays/");
 
 macro_rules! cases {
-    ($($name:ident),*) => {
+    ($check:ident: $($name:ident),*) => {
         $(#[test]
         fn $name() {
-            all(stringify!($name), include_str!(concat!(stringify!($name), ".txt")));
+            $check(stringify!($name));
         })*
     };
 }
-cases!(refusals, experiments, boxes, files, records);
+cases!(all: refusals, experiments, boxes, files, records);
+
+fn text(name: &str) -> (PathBuf, String) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/cases");
+    let path = folder.join(name).with_extension("txt");
+    let text = std::fs::read_to_string(&path).unwrap();
+    (path, text)
+}
 
 /// Compares the pages in `pages/` with the output of the program, or writes them.
 mod pages {
     use super::*;
 
+    cases!(page: help, mistakes, answers);
+
     fn page(name: &str) {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/cases/pages");
-        let path = path.join(name).with_extension("txt");
-        let text = std::fs::read_to_string(&path).unwrap();
+        let (path, text) = text(&format!("pages/{name}"));
         let mut scenario = Scenario { place: Place::new(), last: None, faults: Vec::new() };
         let mut printed = String::new();
         for line in text.split_inclusive("\n").take_while(|line| !line.starts_with("$ ")) {
@@ -72,21 +79,6 @@ mod pages {
         } else {
             assert_eq!(text.lines().count(), printed.lines().count(), "{}", path.display());
         }
-    }
-
-    #[test]
-    fn help() {
-        page("help");
-    }
-
-    #[test]
-    fn mistakes() {
-        page("mistakes");
-    }
-
-    #[test]
-    fn answers() {
-        page("answers");
     }
 }
 
@@ -204,8 +196,9 @@ impl Scenario {
     }
 }
 
-fn all(name: &str, text: &str) {
+fn all(name: &str) {
     let (mut above, mut faults): (Vec<&str>, Vec<String>) = Default::default();
+    let (_, text) = text(name);
     let mut scenario: Option<Scenario> = None;
     for (line, number) in text.lines().map(str::trim_start).zip(1..) {
         let at = format!("{name}.txt:{number}");
