@@ -7,7 +7,7 @@ use anyhow::ensure;
 use contactbench::check::{self, Limits};
 use contactbench::contact::{Arithmetic, Bodies, Test};
 use contactbench::detect::any::{self, Both};
-use contactbench::detect::table::{Entry, Group, Role, Speed};
+use contactbench::detect::table::{Entry, Group, PLAIN};
 use contactbench::detect::{Declare, Detector, Options, Refusal, within};
 use contactbench::probe::{Op, Probe, Tally};
 use contactbench::scene::spec::Spec;
@@ -65,17 +65,13 @@ static TABLE: &[Entry] = &[
     // PAGE: table
     Entry {
         name: "sweep-x",
-        role: Role::Detector,
         group: Group::Modern,
         summary: "sorts along x, tests what follows within reach",
         cost: "N log N key comparisons; contact tests grow as N^(2 - 1/D) in a box",
         memory: "4N",
         limits: "many particles at the same x are N^2",
-        threads: false,
-        speed: Speed::Usual,
-        judge: 0,
-        parameters: &[],
         constructor: Both::<SweepX, SweepX>::boxed,
+        ..PLAIN
     },
     // PAGE: end
 ];

@@ -334,24 +334,9 @@ pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detect::any::Both;
-    use crate::detect::control::Nothing;
-    use crate::detect::table::{Group, Role, Speed};
+    use crate::detect::table::PLAIN;
 
-    static JUDGE: Entry = Entry {
-        name: "judge",
-        role: Role::Detector,
-        group: Group::Controls,
-        summary: "",
-        cost: "",
-        memory: "",
-        limits: "",
-        threads: false,
-        speed: Speed::Usual,
-        judge: 0,
-        parameters: &[],
-        constructor: Both::<Nothing, Nothing>::boxed,
-    };
+    static JUDGE: Entry = PLAIN;
 
     #[test]
     fn judges_must_agree_with_each_other_and_with_the_sample() {

@@ -211,12 +211,10 @@ fn entry(Names { name, module, kind }: &Names) -> String {
         );
     }
     format!(
-        "    Entry {{\n        name: \"{name}\",\n        role: Role::Detector,\n        \
-         group: Group::Modern,\n        summary: \
+        "    Entry {{\n        name: \"{name}\",\n        group: Group::Modern,\n        summary: \
          \"sorts along x, tests what is within reach\",\n        cost: \"N log N key comparisons, \
          N^(2 - 1/D) bound tests in a box\",\n        memory: \"16N\",\n        limits: \"the \
-         memory limit\",\n        threads: false,\n        speed: Speed::Usual,\n        \
-         judge: 0,\n        parameters: &[],\n{constructor}    }},\n"
+         memory limit\",\n{constructor}        ..PLAIN\n    }},\n"
     )
 }
 

@@ -6,7 +6,7 @@ use contactbench::check::numbers::{Numbers, bits};
 use contactbench::check::{self, Failure, Limits, Wrong, regression};
 use contactbench::contact::{Arithmetic, Bodies};
 use contactbench::detect::any::Both;
-use contactbench::detect::table::{self, Entry, Group, Role, Speed};
+use contactbench::detect::table::{self, Entry, PLAIN};
 use contactbench::detect::{Declare, Detector, Options, Refusal};
 use contactbench::io;
 use contactbench::probe::Probe;
@@ -80,20 +80,7 @@ impl<T: Real, const D: usize, const WAY: u8> Detector<T, D> for Mutant<WAY> {
 }
 
 const fn entry<const WAY: u8>() -> Entry {
-    Entry {
-        name: "mutant",
-        role: Role::Detector,
-        group: Group::Modern,
-        summary: "",
-        cost: "",
-        memory: "",
-        limits: "",
-        threads: false,
-        speed: Speed::Usual,
-        judge: 0,
-        parameters: &[],
-        constructor: Both::<Mutant<WAY>, Mutant<WAY>>::boxed,
-    }
+    Entry { name: "mutant", constructor: Both::<Mutant<WAY>, Mutant<WAY>>::boxed, ..PLAIN }
 }
 
 #[rustfmt::skip]

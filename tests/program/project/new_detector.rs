@@ -8,7 +8,7 @@ use contactbench::check::subject::CheckedSubject;
 use contactbench::check::{self, Limits};
 use contactbench::contact::Arithmetic;
 use contactbench::detect::any::Both;
-use contactbench::detect::table::{Entry, Group, Role, Speed};
+use contactbench::detect::table::{Entry, PLAIN};
 use contactbench::detect::{Declare, Detector, Options, Refusal, within};
 use contactbench::{contact, sink};
 
@@ -21,20 +21,8 @@ use written::NewDetector;
 const TEMPLATE: &str = include_str!("../../../src/cli/your_detector/template.rs");
 const FOLDER: &str = "crates/core/src/detect";
 
-static ENTRY: Entry = Entry {
-    name: "new-detector",
-    role: Role::Detector,
-    group: Group::Modern,
-    summary: "",
-    cost: "",
-    memory: "16N",
-    limits: "",
-    threads: false,
-    speed: Speed::Usual,
-    judge: 0,
-    parameters: &[],
-    constructor: Both::<NewDetector, NewDetector>::boxed,
-};
+static ENTRY: Entry =
+    Entry { name: "new-detector", constructor: Both::<NewDetector, NewDetector>::boxed, ..PLAIN };
 
 #[test]
 fn what_is_written_works() {

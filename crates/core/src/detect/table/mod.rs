@@ -22,7 +22,8 @@ const fn peer<L: Library<2> + Library<3> + 'static>(peer: &Peer) -> Entry {
     Entry { name, role, group, summary, cost, memory, limits, speed, constructor, ..PLAIN }
 }
 
-const PLAIN: Entry = Entry {
+/// A detector of the usual speed with one thread and no parameters, from which entries begin.
+pub const PLAIN: Entry = Entry {
     name: "",
     role: Role::Detector,
     group: Group::Book,
@@ -70,7 +71,6 @@ pub static TABLE: &[Entry] = &[
         cost: "N",
         memory: "4(nx ny [nz] + N)",
         limits: "memory: loose packs and far-away particles are refused",
-        speed: Speed::Usual,
         constructor: Both::<screening::Screening, screening::Screening>::boxed,
         ..PLAIN
     },
@@ -81,7 +81,6 @@ pub static TABLE: &[Entry] = &[
         cost: "N log N",
         memory: "12N in 2D, 16N in 3D",
         limits: "cells per axis < 2^31; the memory limit",
-        speed: Speed::Usual,
         constructor: Both::<sorting::Sorting<2>, sorting::Sorting<3>>::boxed,
         ..PLAIN
     },
@@ -93,7 +92,6 @@ pub static TABLE: &[Entry] = &[
         memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D; with levels \
                  about twice that",
         limits: "memory: a particle so far away that nx + ny + nz exceeds the limit",
-        speed: Speed::Usual,
         judge: 4,
         parameters: &[Parameter {
             name: "levels",
@@ -145,7 +143,6 @@ pub static TABLE: &[Entry] = &[
         memory: "4(nx ny [nz] + 1) + 24N in 2D, 32N in 3D",
         limits: "memory: loose packs and far-away particles are refused",
         threads: true,
-        speed: Speed::Usual,
         constructor: Both::<cell_grid::CellGrid<2>, cell_grid::CellGrid<3>>::boxed,
         ..PLAIN
     },
@@ -156,7 +153,6 @@ pub static TABLE: &[Entry] = &[
         cost: "N",
         memory: "4(B + 513) + 24N in 2D, 4(B + 1025) + 32N in 3D; B the power of two from N up",
         limits: "cells per axis < 2^31; the memory limit",
-        speed: Speed::Usual,
         constructor: Both::<hash_grid::HashGrid<2>, hash_grid::HashGrid<3>>::boxed,
         ..PLAIN
     },
@@ -167,7 +163,6 @@ pub static TABLE: &[Entry] = &[
         cost: "N in each level, whatever the ratio of sizes",
         memory: "4(C + N) + 44S + 24N in 2D, 48S + 32N in 3D; S strips of 8 cells, C slots",
         limits: "cells per axis < 2^31 where particles crowd; the memory limit",
-        speed: Speed::Usual,
         parameters: &[
             Parameter {
                 name: "ratio",
@@ -210,7 +205,6 @@ pub static TABLE: &[Entry] = &[
         cost: "N log N",
         memory: "24N + 64L in 2D, 32N + 96L in 3D; L the power of two from N/16 upwards",
         limits: "the memory limit",
-        speed: Speed::Usual,
         judge: 2,
         constructor: Both::<kd_tree::KdTree<2>, kd_tree::KdTree<3>>::boxed,
         ..PLAIN
@@ -222,7 +216,6 @@ pub static TABLE: &[Entry] = &[
         cost: "N log N",
         memory: "40N + 64L in 2D, 48N + 96L in 3D; L the power of two from N/16 upwards",
         limits: "the memory limit; clumps far from the rest are slow",
-        speed: Speed::Usual,
         judge: 3,
         constructor: Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed,
         ..PLAIN
@@ -235,7 +228,6 @@ pub static TABLE: &[Entry] = &[
         cost: "0",
         memory: "0",
         limits: "finds nothing",
-        speed: Speed::Usual,
         ..PLAIN
     },
     Entry {
@@ -246,7 +238,6 @@ pub static TABLE: &[Entry] = &[
         cost: "N",
         memory: "as nbs",
         limits: "as nbs",
-        speed: Speed::Usual,
         constructor: Both::<nbs::Nbs<2>, nbs::Nbs<3>>::boxed,
         ..PLAIN
     },
@@ -259,7 +250,6 @@ pub static TABLE: &[Entry] = &[
         memory: "as cell-grid",
         limits: "as cell-grid",
         threads: true,
-        speed: Speed::Usual,
         constructor: Both::<cell_grid::CellGrid<2>, cell_grid::CellGrid<3>>::boxed,
         ..PLAIN
     },
@@ -272,7 +262,6 @@ pub static TABLE: &[Entry] = &[
         memory: "as streamed-nbs",
         limits: "as streamed-nbs",
         threads: true,
-        speed: Speed::Usual,
         constructor: streamed,
         ..PLAIN
     },
