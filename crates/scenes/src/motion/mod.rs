@@ -37,69 +37,35 @@ pub enum Kind {
 /// Motions in records until 26 November 2026, which this program does not make.
 const GONE: [&str; 3] = ["collapse", "drum", "penetration"];
 
-/// Kind of each motion, name on the command line, and summary with the meaning of the speed.
-const TABLE: [(Kind, &str, &str); 8] = [
-    (Kind::Rest, "rest", "nothing moves"),
-    (
-        Kind::Drift,
-        "drift",
-        "straight flight, with reflecting walls around the centres of frame 0, or through the \
-         faces of a periodic box; velocities are uniform in a ball, and speed is the largest",
-    ),
-    (
-        Kind::Shear,
-        "shear",
-        "layers slide along x, in proportion to their distance from the middle along y; speed is \
-         that of the outermost. A box that is periodic along y is sheared (after Lees and \
-         Edwards): its corner stays, and its upper face moves with twice the speed",
-    ),
-    (
-        Kind::Rotation,
-        "rotation",
-        "rigid rotation about the middle, around z; speed is that of the outermost particle",
-    ),
-    (
-        Kind::Vortex,
-        "vortex",
-        "rotation about the middle, around z, faster inside than outside; speed is the largest, at \
-         an eighth of the widest edge from the middle",
-    ),
-    (
-        Kind::Jitter,
-        "jitter",
-        "each frame moves each particle independently from its place in frame 0; speed is the \
-         standard deviation along each axis (as in PointNeighbors.jl)",
-    ),
-    (
-        Kind::Brownian,
-        "brownian",
-        "as drift, but each particle gets a new velocity every 100 frames, in turn (after \
-         Broadmark, Computer Graphics Forum 39:436, 2020, which freezes particles outside the \
-         box)",
-    ),
-    (
-        Kind::Bullet,
-        "bullet",
-        "the first particle flies straight between the walls of drift, and all others rest; speed \
-         is that of the first",
-    ),
-];
+/// Name of each motion on the command line, and summary with the meaning of the speed, in the order
+/// of [`Kind::ALL`].
+const TABLE: &str = include_str!("kinds.txt");
 
 impl Kind {
     pub const ALL: [Kind; 8] = {
-        let (mut all, mut k) = ([Kind::Rest; 8], 0);
-        while k < 8 {
-            all[k] = TABLE[k].0;
-            k += 1;
-        }
-        all
+        use Kind::*;
+        [Rest, Drift, Shear, Rotation, Vortex, Jitter, Brownian, Bullet]
     };
 
-    pub fn name(self) -> &'static str {
+    /// Returns the name and the summary.
+    fn row(self) -> (&'static str, &'static str) {
+        let rows = TABLE.lines().filter_map(|line| line.split_once(": "));
         match self {
-            Kind::Gone(name) => name,
-            _ => TABLE.iter().find(|row| row.0 == self).map_or("", |row| row.1),
+            Kind::Gone(name) => (name, "soft spheres, which this program does not make"),
+            _ => Kind::ALL
+                .into_iter()
+                .zip(rows)
+                .find(|row| row.0 == self)
+                .map_or(("", ""), |it| it.1),
         }
+    }
+
+    pub fn name(self) -> &'static str {
+        self.row().0
+    }
+
+    pub fn summary(self) -> &'static str {
+        self.row().1
     }
 
     /// Checks that this program can make the motion; fails for those of earlier versions.
@@ -109,11 +75,6 @@ impl Kind {
             "this program does not make the motion '{name}' of earlier versions; take one of {}",
             Kind::ALL.map(Kind::name).join(", ")
         )
-    }
-
-    pub fn summary(self) -> &'static str {
-        let row = TABLE.iter().find(|row| row.0 == self);
-        row.map_or("soft spheres, which this program does not make", |row| row.2)
     }
 }
 

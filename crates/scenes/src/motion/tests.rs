@@ -1,7 +1,7 @@
 use super::box_tests::{BOXES, goes};
 use super::*;
 use crate::spec::Spec;
-use contactbench_core::scene::{Radii, Real, array};
+use contactbench_core::scene::{Real, array};
 use contactbench_core::sink::splitmix64;
 use contactbench_core::with_scene;
 
@@ -118,7 +118,7 @@ fn walls_contain_all_particles_and_layers_keep_their_height() {
 
 #[test]
 fn small_scenes_move_unless_they_lack_a_diameter_or_extent() {
-    let none = Scene::<f64, 2>::new(Vec::new(), Radii::Uniform(1.0)).unwrap().into();
+    let none = Scene::<f64, 2>::at([], 1.0).unwrap().into();
     for scene in [scene("loose:dim=2,n=1"), scene("loose:dim=3,n=1"), none] {
         for kind in Kind::ALL {
             let frame = Frames::new(&scene, motion(kind, 0.5)).unwrap().at(9).unwrap();
@@ -126,10 +126,7 @@ fn small_scenes_move_unless_they_lack_a_diameter_or_extent() {
             assert!(coordinates(&frame).iter().all(|x| x.is_finite()), "{kind:?}");
         }
     }
-    let of = |x: f64, r: f64| -> Given {
-        let centres = [-x, x].map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
-        Scene::new(centres, Radii::Uniform(r)).unwrap().into()
-    };
+    let of = |x: f64, r| -> Given { Scene::at([[-x, 0.0], [x, 0.0]], r).unwrap().into() };
     let points = Frames::new(&of(1.0, 0.0), motion(Kind::Drift, 0.1)).err().unwrap().to_string();
     assert!(points.contains("all radii of this scene are 0"), "{points}");
     assert!(Frames::new(&of(1.0, 0.0), motion(Kind::Rest, 0.1)).is_ok());
@@ -143,6 +140,8 @@ fn the_text_of_a_motion_parses_to_itself() {
     for text in ["rest", "drift:speed=0.001,seed=3", "brownian:speed=2,seed=1"] {
         assert_eq!(text.parse::<Motion>().unwrap().to_string(), text);
     }
+    let named = |kind: Kind| kind.name().parse::<Motion>().is_ok_and(|it| it.kind == kind);
+    assert!(Kind::ALL.into_iter().all(named) && TABLE.lines().count() == Kind::ALL.len());
     let gone: Motion = "drum".parse().unwrap();
     let refused = Frames::new(&scene("loose:n=9"), gone).err().unwrap().to_string();
     assert!(refused.starts_with("this program does not make the motion 'drum'"), "{refused}");
