@@ -92,7 +92,6 @@ fn picture(contest: &Contest, marks: &Marks<'_>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_record::cells;
     use contactbench_record::cells::testing::Lab;
     use contactbench_record::findings::winners::winners;
 
@@ -102,8 +101,7 @@ mod tests {
         lab.detector("nbs").time(&[1000; 15]).detector("sorting").time(&[2500; 15]);
         lab.detector("library").time(&[4000; 15]);
         lab.scene("alone", 3).detector("<b>").time(&[5; 15]);
-        let cells = cells::cells(&lab.rows());
-        let found = winners(&cells.iter().collect::<Vec<_>>());
+        let found = lab.find(winners);
         let detectors = ["<b>", "library", "nbs", "sorting"];
         let marks = Marks { detectors: &detectors, styles: &Styles::default() };
         let table = table(&found, &marks);

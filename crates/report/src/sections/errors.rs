@@ -109,13 +109,11 @@ fn counts(errors: &Errors) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_record::cells;
     use contactbench_record::findings::errors::testing::lab;
 
     #[test]
     fn the_table_tells_causes_apart_and_folds_what_is_the_same() {
-        let cells = cells::cells(&lab().rows());
-        let table = table(&ErrorTable::new(&cells.iter().collect::<Vec<_>>()).unwrap()).markdown();
+        let table = table(&lab().find(ErrorTable::new).unwrap()).markdown();
         let lines: Vec<&str> = table.lines().skip(2).collect();
         assert_eq!(
             lines,

@@ -203,13 +203,11 @@ pub fn undecided<'a>(open: impl IntoIterator<Item = &'a String>) -> Cell {
 mod tests {
     use super::*;
     use crate::document::markdown;
-    use contactbench_record::cells;
     use contactbench_record::cells::testing::Lab;
     use contactbench_record::findings::winners::winners;
 
     fn said(lab: &Lab) -> String {
-        let cells = cells::cells(&lab.rows());
-        markdown(&blocks(&winners(&cells.iter().collect::<Vec<_>>()), true))
+        markdown(&blocks(&lab.find(winners), true))
     }
 
     #[test]

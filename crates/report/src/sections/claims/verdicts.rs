@@ -98,14 +98,11 @@ mod tests {
     use super::*;
     use crate::document::{markdown, plain};
     use crate::table::csv;
-    use contactbench_record::cells;
     use contactbench_record::findings::claim::verdicts::testing::lab;
 
     #[test]
     fn report_terminal_and_file_agree() {
-        let cells = cells::cells(&lab().rows());
-        let cells: Vec<&Measured> = cells.iter().collect();
-        let found = Matrix::new(&cells).unwrap();
+        let found = lab().find(Matrix::new).unwrap();
         let (report, terminal) = (markdown(&blocks(&found)), plain(&terminal(&found), 110));
         assert!(terminal.lines().all(|line| line.chars().count() <= 110), "{terminal}");
         for part in ["Right by every detector", "1 case: calm", "(1)", "nbs would need"] {
@@ -113,7 +110,7 @@ mod tests {
         }
         let line = "| tangent | 2D | -3 | nbs, sorting: lossy -2 | right |";
         assert!(report.contains(line), "{report}");
-        let csv = csv(&[rows(&cells)]);
+        let csv = csv(&[lab().find(rows)]);
         assert_eq!(csv.lines().count(), 1 + 5 * 3 * 3);
         for line in [
             "e,tangent,2,100,1,nbs,textbook,lossy,lossy,,250,250,2,0,0,0,0,0,2,",
