@@ -42,7 +42,8 @@ impl Lists<'_> {
         self.choice.sparse
     }
 
-    fn chosen(mut self) -> anyhow::Result<List> {
+    /// Returns the list of the chosen frame.
+    pub fn chosen(mut self) -> anyhow::Result<List> {
         let (kept, frame) = chosen(&mut *self.reader, &mut self.choice, self.name)?;
         let frame = Some(frame).filter(|_| self.choice.seen > 0);
         let none = || List { format: "CSV", frame, sparse: true, ..List::default() };
@@ -67,15 +68,6 @@ impl Iterator for Lists<'_> {
 /// particles, or these and the two or three of the image.
 pub fn read(path: &Path, columns: &[&str], frame: Frame) -> anyhow::Result<List> {
     lists(path, columns, frame, |lists| lists.chosen())
-}
-
-pub fn from(
-    reader: impl BufRead,
-    name: &str,
-    columns: &[&str],
-    frame: Frame,
-) -> anyhow::Result<List> {
-    lists_from(reader, name, columns, frame, |lists| lists.chosen())
 }
 
 pub fn lists<T>(

@@ -189,16 +189,15 @@ fn lists(bytes: &[u8], columns: &[&str], frame: Frame) -> String {
         let rows: Vec<String> = list.pairs.iter().enumerate().map(row).collect();
         writeln!(out, "= {}: {}", list.format, rows.join(" | ")).unwrap();
     };
-    let read = if frame == Frame::All {
-        pairs::lists_from(bytes, "p", columns, frame, |lists| {
-            for next in lists {
-                list(next?, &mut out);
-            }
-            Ok(())
-        })
-    } else {
-        pairs::from(bytes, "p", columns, frame).map(|it| list(it, &mut out))
-    };
+    let read = pairs::lists_from(bytes, "p", columns, frame, |lists| {
+        if frame != Frame::All {
+            return lists.chosen().map(|it| list(it, &mut out));
+        }
+        for next in lists {
+            list(next?, &mut out);
+        }
+        Ok(())
+    });
     read.unwrap_or_else(|error| writeln!(out, "! {error:#}").unwrap());
     out
 }
