@@ -1,49 +1,34 @@
 //! The number format in which a scene is stored, and how contacts are decided in it.
 
-/// How contacts are decided, and in which number format the scene is stored.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    PartialEq,
-    Eq,
-    PartialOrd,
-    Ord,
-    Hash,
-    Default,
-    serde::Serialize,
-    serde::Deserialize,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum Arithmetic {
-    /// The scene is rounded to f32; |xi - xj|² <= (ri + rj)² is evaluated in f32.
-    F32,
-    /// Like [`Arithmetic::F32`], but a coordinate is stored as a cell number and an f32 offset from
-    /// the origin of the cell.
-    F32Cell,
-    /// Stored as f64 and decided in f64, with the filters as printed in the book. These have no
-    /// safety margin, so contacts may be missed.
-    Textbook,
-    /// Stored as f64; |xi - xj|² <= (ri + rj)² is evaluated in f64.
-    F64,
-    /// Like [`Arithmetic::Exact`] with the open rule: pairs at exactly ri + rj do not touch.
-    ExactOpen,
-    /// Stored as f64 and decided by the exact sign of |xi - xj|² - (ri + rj)².
-    #[default]
-    Exact,
+use serde::{Deserialize, Serialize};
+
+crate::named! {
+    /// How contacts are decided, and in which number format the scene is stored; from the least to
+    /// the most accurate.
+    #[derive(
+        Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
+    )]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Arithmetic {
+        /// The scene is rounded to f32; |xi - xj|² <= (ri + rj)² is evaluated in f32.
+        F32 = "f32",
+        /// Like [`Arithmetic::F32`], but a coordinate is stored as a cell number and an f32 offset
+        /// from the origin of the cell.
+        F32Cell = "f32-cell",
+        /// Stored as f64 and decided in f64, with the filters as printed in the book. These have no
+        /// safety margin, so contacts may be missed.
+        Textbook = "textbook",
+        /// Stored as f64; |xi - xj|² <= (ri + rj)² is evaluated in f64.
+        F64 = "f64",
+        /// Like [`Arithmetic::Exact`] with the open rule: pairs at exactly ri + rj do not touch.
+        ExactOpen = "exact-open",
+        /// Stored as f64 and decided by the exact sign of |xi - xj|² - (ri + rj)².
+        #[default]
+        Exact = "exact",
+    }
 }
 
 impl Arithmetic {
-    /// All arithmetics, from the least to the most accurate.
-    pub const ALL: [Arithmetic; 6] = [
-        Arithmetic::F32,
-        Arithmetic::F32Cell,
-        Arithmetic::Textbook,
-        Arithmetic::F64,
-        Arithmetic::ExactOpen,
-        Arithmetic::Exact,
-    ];
-
     /// The arithmetics in which every detector must find exactly the pairs that the contact test
     /// accepts; all but [`Arithmetic::Textbook`].
     pub const SAFE: [Arithmetic; 5] = [
@@ -54,46 +39,41 @@ impl Arithmetic {
         Arithmetic::Exact,
     ];
 
-    /// Name, summary, storage and contact test.
-    const fn entry(self) -> (&'static str, &'static str, Storage, Test) {
+    /// Summary, storage and contact test.
+    const fn entry(self) -> (&'static str, Storage, Test) {
         match self {
             Arithmetic::F32 => {
                 let words = "scene stored in f32, contacts decided in f32";
-                ("f32", words, Storage::F32, Test::Rounded)
+                (words, Storage::F32, Test::Rounded)
             }
             Arithmetic::F32Cell => {
                 let words = "coordinates as cell number and f32 offset from the cell's origin, \
                              contacts decided in f32";
-                ("f32-cell", words, Storage::Cell, Test::Rounded)
+                (words, Storage::Cell, Test::Rounded)
             }
             Arithmetic::Textbook => {
                 let words =
                     "f64, with the book's filters as printed: may lose contacts to rounding";
-                ("textbook", words, Storage::F64, Test::Textbook)
+                (words, Storage::F64, Test::Textbook)
             }
             Arithmetic::F64 => {
                 let words = "scene stored and contacts decided in f64";
-                ("f64", words, Storage::F64, Test::Rounded)
+                (words, Storage::F64, Test::Rounded)
             }
             Arithmetic::ExactOpen => {
                 let words = "like exact, but pairs at exactly the distance ri + rj do not touch";
-                ("exact-open", words, Storage::F64, Test::Open)
+                (words, Storage::F64, Test::Open)
             }
             Arithmetic::Exact => {
                 let words = "scene stored in f64, contacts decided exactly (the default)";
-                ("exact", words, Storage::F64, Test::Exact)
+                (words, Storage::F64, Test::Exact)
             }
         }
     }
 
-    /// The name used in records and on the command line.
-    pub const fn name(self) -> &'static str {
-        self.entry().0
-    }
-
     /// Description in one phrase, for help and reports.
     pub fn summary(self) -> &'static str {
-        self.entry().1
+        self.entry().0
     }
 
     /// All names, separated by commas, for messages.
@@ -103,12 +83,12 @@ impl Arithmetic {
 
     /// How a scene stored for this arithmetic is tested for contacts.
     pub const fn test(self) -> Test {
-        self.entry().3
+        self.entry().2
     }
 
     /// The number format in which a scene is stored for this arithmetic.
     pub const fn storage(self) -> Storage {
-        self.entry().2
+        self.entry().1
     }
 
     /// The exact arithmetic with the same rule for pairs at exactly ri + rj: it states the truth.
