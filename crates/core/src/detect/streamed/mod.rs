@@ -50,7 +50,6 @@ mod grid;
 mod kernel;
 mod levels;
 mod lists;
-mod near;
 mod output;
 mod plan;
 mod ranges;

@@ -1,8 +1,7 @@
 //! The sweep on registers of four or eight floats: each range is tested alone, because most ranges
 //! hold as many particles as a register or fewer. Bounds are the same as in [`super::kernel`].
 
-use super::kernel::Sweep;
-use super::near::{SPARE, WHOLE};
+use super::kernel::{SPARE, Sweep, WHOLE};
 use super::output::ROOM;
 use super::ranges::{Find, lengths, ranges_used};
 use super::together::Together;
@@ -95,7 +94,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
     }
 }
 
-/// Computes the limits of pairs like [`super::near::Limits::new`].
+/// Computes the limits of pairs like [`super::kernel::Limits::new`].
 #[inline(always)]
 fn limits<R: Register>(r: R, outer: R::Floats, grow: f32) -> [R::Floats; 2] {
     let inner = r.max(r.sub(outer, r.all(2.0 * grow)), r.all(0.0));
@@ -103,7 +102,7 @@ fn limits<R: Register>(r: R, outer: R::Floats, grow: f32) -> [R::Floats; 2] {
 }
 
 /// Returns the differences along x that are nearest to zero if coordinates wrap around after
-/// `turn`, like [`super::near::test`].
+/// `turn`, like [`super::kernel::test`].
 #[inline(always)]
 fn nearest<R: Register>(r: R, d: R::Floats, turn: f32) -> R::Floats {
     let whole = r.all(WHOLE);

@@ -8,8 +8,7 @@
 
 use std::ops::Range;
 
-use super::kernel::Sweep;
-use super::near::test;
+use super::kernel::{Sweep, test};
 use super::output::ROOM;
 use super::ranges::{Find, Ranges, ranges_used};
 use super::slab::Slab;

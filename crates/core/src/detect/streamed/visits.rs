@@ -36,8 +36,8 @@
 //! R, the part of one cell is covered by that of x, whose axis has at least two cells.
 
 use super::grid::Grid;
+use super::kernel::{Limits, Query, test};
 use super::lists::{Lists, Record};
-use super::near::{Limits, Query, test};
 use super::output::Output;
 use super::plan::Plan;
 use super::slab::Slab;

@@ -182,9 +182,9 @@ fn detectors_agree_on_the_truth_of_large_scenes() {
     assert_eq!(bag.truth(), expected);
 }
 
-/// Cells hold so many particles and images that candidates are copied side by side, up to 1,024 at
-/// a time. Some cells hold only images. Lists have more pairs than are sorted at a time, and in
-/// every other scene particles are outside the box.
+/// Cells hold many particles and images, so that candidates are copied side by side, at most 1,024
+/// at a time; some cells hold only images. Lists have more pairs than are sorted at a time. In half
+/// of the scenes particles are outside the box.
 #[test]
 fn full_boxes_on_all_levels() {
     let names: Vec<_> = Level::all().iter().map(|level| level.name()).collect();
