@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import mutants
 import numpy as np
@@ -9,7 +10,15 @@ import pytest
 from mutants import BATCH_MISTAKES, MISTAKES, CellList
 
 import contactbench
+from contactbench.kit import batches, shrinking
 from contactbench.kit.systems import system
+
+
+@pytest.fixture(autouse=True)
+def no_time_passes(monkeypatch):
+    """Systems are shrunk to the end, however slow the machine is."""
+    for module in (batches, shrinking):
+        monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: 0.0))
 
 
 def test_a_right_cell_list_passes():
