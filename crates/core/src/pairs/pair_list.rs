@@ -124,7 +124,9 @@ impl<'a> PairList<'a> {
         if self.lost == 0 {
             let expected = self.expected();
             self.estimated |= expected > capacity;
-            let granted = self.allowance.take(least.max(capacity).max(expected).max(4));
+            // Other threads' lists need the rest of the allowance.
+            let most = self.allowance.0.load(Relaxed) as usize / 8;
+            let granted = self.allowance.take(least.max(capacity.max(expected).max(4).min(most)));
             let room = capacity + granted - len;
             if granted >= least {
                 if self.reserve(room) {
@@ -142,9 +144,7 @@ impl<'a> PairList<'a> {
     /// Returns how many of the pairs that are expected have no space.
     fn expected(&self) -> usize {
         let capacity = self.pairs.capacity();
-        // Other threads' lists need the rest of the allowance.
-        let most = (64 * capacity).min(self.allowance.0.load(Relaxed) as usize / 8);
-        self.total.saturating_sub(capacity).min(most)
+        self.total.saturating_sub(capacity).min(64 * capacity)
     }
 
     /// Reserves space for `more` pairs and returns true, or returns false if memory runs out.
