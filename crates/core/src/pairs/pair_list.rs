@@ -19,24 +19,29 @@ pub const PAIR_BYTES: u64 = size_of::<[u32; 2]>() as u64;
 
 /// Bytes that a list of pairs, or several threads' lists together, may still allocate.
 #[derive(Debug)]
-pub struct Allowance(AtomicU64);
+pub struct Allowance {
+    /// Number of pairs that still fit, and number that fit at first.
+    left: AtomicU64,
+    all: u64,
+}
 
 impl Allowance {
     /// Creates an allowance of this many bytes.
     pub fn new(bytes: u64) -> Allowance {
-        Allowance(AtomicU64::new(bytes / PAIR_BYTES))
+        let all = bytes / PAIR_BYTES;
+        Allowance { left: AtomicU64::new(all), all }
     }
 
     /// Takes space for up to this many pairs and returns the number of pairs that was granted.
     fn take(&self, pairs: usize) -> usize {
         let pairs = pairs as u64;
         let rest = |left: u64| Some(left.saturating_sub(pairs));
-        let left = self.0.fetch_update(Relaxed, Relaxed, rest).unwrap_or_else(|left| left);
+        let left = self.left.fetch_update(Relaxed, Relaxed, rest).unwrap_or_else(|left| left);
         left.min(pairs) as usize
     }
 
     fn give_back(&self, pairs: usize) {
-        self.0.fetch_add(pairs as u64, Relaxed);
+        self.left.fetch_add(pairs as u64, Relaxed);
     }
 }
 
@@ -122,10 +127,11 @@ impl<'a> PairList<'a> {
         let (len, capacity) = (self.pairs.len(), self.pairs.capacity());
         let least = (len + more).saturating_sub(capacity);
         if self.lost == 0 {
-            let expected = self.expected();
+            // Number of expected pairs that have no space.
+            let expected = self.total.saturating_sub(capacity).min(64 * capacity);
             self.estimated |= expected > capacity;
             // Other threads' lists need the rest of the allowance.
-            let most = self.allowance.0.load(Relaxed) as usize / 8;
+            let most = self.allowance.left.load(Relaxed) as usize / 8;
             let granted = self.allowance.take(least.max(capacity.max(expected).max(4).min(most)));
             let room = capacity + granted - len;
             if granted >= least {
@@ -139,12 +145,6 @@ impl<'a> PairList<'a> {
         self.lost += (len - self.before) as u64;
         self.pairs.truncate(self.before);
         more <= self.pairs.capacity() - self.before
-    }
-
-    /// Returns how many of the pairs that are expected have no space.
-    fn expected(&self) -> usize {
-        let capacity = self.pairs.capacity();
-        self.total.saturating_sub(capacity).min(64 * capacity)
     }
 
     /// Reserves space for `more` pairs and returns true, or returns false if memory runs out.
@@ -223,7 +223,7 @@ fn refused(lists: &[PairList<'_>], particles: usize) -> Result<(), Refusal> {
     Err(Refusal::Pairs {
         found: lists.iter().map(PairList::found).sum(),
         particles: particles as u64,
-        room: lists.iter().map(|list| list.pairs.capacity() as u64 * PAIR_BYTES).sum(),
+        room: lists.first().map_or(0, |list| list.allowance.all * PAIR_BYTES),
     })
 }
 
