@@ -117,7 +117,7 @@ impl Avx2 {
     }
 }
 
-// SAFETY: the types have these sizes.
+// SAFETY: sizes are those that the trait names, and all results are initialised.
 unsafe impl Register for Avx2 {
     const LANES: usize = 8;
     type Floats = __m256;

@@ -53,7 +53,7 @@ impl Avx512 {
     }
 }
 
-// SAFETY: the types have these sizes.
+// SAFETY: sizes are those that the trait names, and all results are initialised.
 unsafe impl Register for Avx512 {
     const LANES: usize = LANES;
     type Floats = __m512;

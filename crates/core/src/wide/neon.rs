@@ -27,7 +27,7 @@ static PACKED: [[u8; 16]; 16] = {
     table
 };
 
-// SAFETY: the types have these sizes.
+// SAFETY: sizes are those that the trait names, and all results are initialised.
 unsafe impl Register for Neon {
     const LANES: usize = 4;
     type Floats = float32x4_t;

@@ -7,7 +7,7 @@ use super::{Kernel, fill};
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
 
-// SAFETY: the types have these sizes.
+// SAFETY: sizes are those that the trait names, and all results are initialised.
 unsafe impl Register for Portable {
     const LANES: usize = 4;
     type Floats = [f32; 4];

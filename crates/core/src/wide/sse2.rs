@@ -32,7 +32,7 @@ static MOVES: [Moves; 16] = {
     table
 };
 
-// SAFETY: the types have these sizes.
+// SAFETY: sizes are those that the trait names, and all results are initialised.
 unsafe impl Register for Sse2 {
     const LANES: usize = 4;
     type Floats = __m128;
