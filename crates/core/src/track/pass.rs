@@ -113,17 +113,17 @@ fn look<W: Wide, R: Reach, A: Answer>(
     w.pack_pairs(pairs, touch, to);
     let open = mask & !(touch | apart);
     if open != 0 {
-        decide(w, pairs, open, answer);
+        let mut left = [[0; 2]; LANES];
+        w.pack_pairs(pairs, open, &mut left);
+        decide(left.get(..open.count_ones() as usize).unwrap_or(&left), answer);
     }
     touch.count_ones() as usize
 }
 
 #[cold]
 #[inline(never)]
-fn decide<W: Wide>(w: W, pairs: W::Pairs, open: u32, answer: &mut impl Answer) {
-    let mut left = [[0; 2]; LANES];
-    w.pack_pairs(pairs, open, &mut left);
-    left.iter().take(open.count_ones() as usize).for_each(|&pair| answer.decide(pair));
+fn decide(pairs: &[[u32; 2]], answer: &mut impl Answer) {
+    pairs.iter().for_each(|&pair| answer.decide(pair));
 }
 
 #[cfg(test)]

@@ -95,11 +95,10 @@ unsafe impl Register for Avx512 {
             let most = _mm512_set1_epi32(u32::try_from(spots.len()).unwrap_or(u32::MAX) as i32);
             let within = [_mm512_cmplt_epu32_mask(low, most), _mm512_cmplt_epu32_mask(high, most)];
             assert!(within == [u16::MAX; 2], "a place beyond the spots");
-            let four = |r: usize, side: usize| self.four(spots, pairs, r, side);
-            let (a0, b0) = (four(0, 0), four(0, 1));
-            let (a1, b1) = (four(1, 0), four(1, 1));
-            let (a2, b2) = (four(2, 0), four(2, 1));
-            let (a3, b3) = (four(3, 0), four(3, 1));
+            let (a0, b0) = (self.four(spots, pairs, 0, 0), self.four(spots, pairs, 0, 1));
+            let (a1, b1) = (self.four(spots, pairs, 1, 0), self.four(spots, pairs, 1, 1));
+            let (a2, b2) = (self.four(spots, pairs, 2, 0), self.four(spots, pairs, 2, 1));
+            let (a3, b3) = (self.four(spots, pairs, 3, 0), self.four(spots, pairs, 3, 1));
             // The fourth lane of each difference keeps the number of particle b.
             let off0 = _mm512_mask_sub_ps(b0, 0x7777, a0, b0);
             let off1 = _mm512_mask_sub_ps(b1, 0x7777, a1, b1);

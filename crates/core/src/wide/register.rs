@@ -93,14 +93,18 @@ fn lanes<R: Register>(mask: u32, at: usize) -> u32 {
     mask >> at & !(!0 << R::LANES)
 }
 
-/// Returns an array with the value of `f` for each register of sixteen lanes.
-#[inline(always)]
-fn each<R: Register, A: Copy>(mut f: impl FnMut(usize) -> A) -> R::Many<A> {
-    let mut all = R::many(f(0));
-    for (k, a) in all.as_mut().iter_mut().enumerate().skip(1) {
-        *a = f(k);
-    }
-    all
+/// Returns an array with a value for each register `$k` of sixteen lanes of registers `R`.
+/// It is no function with a closure, because the compiler may leave a closure outside the code that
+/// is compiled for the instruction set. Each of its instructions would then be a call.
+macro_rules! each {
+    ($k:ident => $value:expr) => {{
+        let $k = 0;
+        let mut all = R::many($value);
+        for $k in 1..LANES / R::LANES {
+            all.as_mut()[$k] = $value;
+        }
+        all
+    }};
 }
 
 impl<R: Register> Wide for R {
@@ -121,39 +125,39 @@ impl<R: Register> Wide for R {
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> Self::Floats {
         // SAFETY: each register is part of the sixteen lanes.
-        each::<R, _>(|k| unsafe { read(from.as_ptr().add(k * R::LANES)) })
+        each!(k => unsafe { read(from.as_ptr().add(k * R::LANES)) })
     }
 
     #[inline(always)]
     fn load_two(self, low: &[f32; HALF], high: &[f32; HALF]) -> Self::Floats {
         let both = [*low, *high];
         // SAFETY: as for `load`.
-        each::<R, _>(|k| unsafe { read(both.as_flattened().as_ptr().add(k * R::LANES)) })
+        each!(k => unsafe { read(both.as_flattened().as_ptr().add(k * R::LANES)) })
     }
 
     #[inline(always)]
     fn add(self, a: Self::Floats, b: Self::Floats) -> Self::Floats {
-        each::<R, _>(|k| self.add(a.as_ref()[k], b.as_ref()[k]))
+        each!(k => self.add(a.as_ref()[k], b.as_ref()[k]))
     }
 
     #[inline(always)]
     fn sub(self, a: Self::Floats, b: Self::Floats) -> Self::Floats {
-        each::<R, _>(|k| self.sub(a.as_ref()[k], b.as_ref()[k]))
+        each!(k => self.sub(a.as_ref()[k], b.as_ref()[k]))
     }
 
     #[inline(always)]
     fn mul(self, a: Self::Floats, b: Self::Floats) -> Self::Floats {
-        each::<R, _>(|k| self.mul(a.as_ref()[k], b.as_ref()[k]))
+        each!(k => self.mul(a.as_ref()[k], b.as_ref()[k]))
     }
 
     #[inline(always)]
     fn mul_add(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats {
-        each::<R, _>(|k| self.mul_add(a.as_ref()[k], b.as_ref()[k], c.as_ref()[k]))
+        each!(k => self.mul_add(a.as_ref()[k], b.as_ref()[k], c.as_ref()[k]))
     }
 
     #[inline(always)]
     fn max(self, a: Self::Floats, b: Self::Floats) -> Self::Floats {
-        each::<R, _>(|k| self.max(a.as_ref()[k], b.as_ref()[k]))
+        each!(k => self.max(a.as_ref()[k], b.as_ref()[k]))
     }
 
     #[inline(always)]
@@ -214,14 +218,13 @@ impl<R: Register> Wide for R {
     #[inline(always)]
     fn load_pairs(self, from: &[[u32; 2]; LANES]) -> Self::Pairs {
         // SAFETY: each register's pairs are part of the sixteen pairs.
-        each::<R, _>(|k| unsafe { read(from.as_ptr().add(k * R::LANES)) })
+        each!(k => unsafe { read(from.as_ptr().add(k * R::LANES)) })
     }
 
     #[inline(always)]
     fn squares(self, spots: &[Spot], pairs: &[[u32; 2]; LANES]) -> (Self::Floats, Self::Pairs) {
-        let both = each::<R, _>(|k| self.squares(spots, &pairs[k * R::LANES..][..R::LANES]));
-        let both = both.as_ref();
-        (each::<R, _>(|k| both[k].0), each::<R, _>(|k| both[k].1))
+        let both = each!(k => self.squares(spots, &pairs[k * R::LANES..][..R::LANES]));
+        (each!(k => both.as_ref()[k].0), each!(k => both.as_ref()[k].1))
     }
 
     #[inline(always)]
