@@ -30,9 +30,11 @@ pub(super) struct Plan {
 
 /// Number of particles per slab for which the slab's arrays fit in the caches.
 const PARTICLES: usize = 4096;
-/// Mean numbers of particles per cell from which cells are halved along x, once and twice: shorter
-/// ranges then save more tests than the copies of candidates cost (measured).
-const PARTS: [f64; 2] = [12.0, 32.0];
+/// Mean numbers of particles per cell from which cells have this many parts along x (base-2
+/// logarithm), as measured. Among spheres with one to five per cell, shorter ranges need fewer
+/// vectors; discs have fewer ranges and gain nothing. In fuller cells, smaller parts mean that fewer
+/// particles share the copies of candidates, until the tests saved outweigh this.
+const PARTS: [(f64, u32); 4] = [(1.0, 1), (5.0, 0), (12.0, 1), (32.0, 2)];
 
 impl Plan {
     /// Returns the number of cells of a slab, borders included.
@@ -44,7 +46,9 @@ impl Plan {
         let count = grid.count.map(|count| count as usize);
         let one_row = D == 2 || grid.flat;
         let cells = grid.count.iter().map(|&count| count as f64).product::<f64>();
-        let parts = PARTS.iter().filter(|&&least| n as f64 >= least * cells).count() as u32;
+        let full = |&&(least, _): &&(f64, u32)| n as f64 >= least * cells;
+        let parts =
+            PARTS.iter().skip(usize::from(D == 2)).rfind(full).map_or(0, |&(_, parts)| parts);
         let row = (count[0] + 1) << parts;
         let layer = if one_row { row } else { row * (count[1] + 2) };
         let all = if D == 2 && grid.flat { 1 } else { count[D - 1] };
