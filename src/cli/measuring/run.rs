@@ -24,6 +24,9 @@ pub struct Run {
     /// Small scenes and few blocks, to see that all works
     #[arg(long)]
     quick: bool,
+    /// At most K blocks; merge adds those of several runs
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
+    blocks: Option<u32>,
     /// Continue a run that was stopped
     #[arg(long)]
     resume: bool,
@@ -64,7 +67,11 @@ pub fn run(options: &Run) -> anyhow::Result<ExitCode> {
 }
 
 fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
-    let experiments = session::find(&options.experiments)?;
+    let mut experiments = session::find(&options.experiments)?;
+    for (experiment, _) in &mut experiments {
+        // The copy in the record remains the plan of the whole.
+        experiment.blocks = experiment.blocks.min(options.blocks.unwrap_or(u32::MAX));
+    }
     let asked = experiments.iter().flat_map(|(experiment, _)| &experiment.detectors);
     detectors::not_built(asked).iter().for_each(|missing| say!("{missing}"));
     let shard = options.shard.map(|part| part.shard);
@@ -114,6 +121,7 @@ fn again(options: &Run, folder: &Path) -> String {
     let mut words = vec!["contactbench".to_string(), "run".into()];
     words.extend(options.experiments.iter().cloned());
     words.extend(options.quick.then(|| "--quick".into()));
+    words.extend(options.blocks.iter().flat_map(|k| ["--blocks".into(), k.to_string()]));
     words.extend(
         options.against.iter().flat_map(|path| ["--against".into(), path.display().to_string()]),
     );
