@@ -93,9 +93,9 @@ fn lanes<R: Register>(mask: u32, at: usize) -> u32 {
     mask >> at & !(!0 << R::LANES)
 }
 
-/// Returns an array with a value for each register `$k` of sixteen lanes of registers `R`.
-/// It is no function with a closure, because the compiler may leave a closure outside the code that
-/// is compiled for the instruction set. Each of its instructions would then be a call.
+/// Returns an array with a value for each register `$k` of sixteen lanes of registers `R`. A
+/// function would take a closure. The compiler may leave a closure outside the code compiled for
+/// the instruction set, and each of its instructions is then a call.
 macro_rules! each {
     ($k:ident => $value:expr) => {{
         let $k = 0;

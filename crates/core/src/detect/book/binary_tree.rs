@@ -50,27 +50,8 @@ impl Declare for BinaryTree {
     }
 }
 
-impl<T: Real> Detector<T, 2> for BinaryTree {
-    fn detect<B: Bodies<T, 2>, P: Probe, S: Sink>(
-        &mut self,
-        bodies: B,
-        probe: &mut P,
-        sink: &mut S,
-    ) -> Result<(), Refusal> {
-        self.run(&bodies, mask::PLANE, probe, sink)
-    }
-}
-
-impl<T: Real> Detector<T, 3> for BinaryTree {
-    fn detect<B: Bodies<T, 3>, P: Probe, S: Sink>(
-        &mut self,
-        bodies: B,
-        probe: &mut P,
-        sink: &mut S,
-    ) -> Result<(), Refusal> {
-        self.run(&bodies, mask::SPACE, probe, sink)
-    }
-}
+mask::detects_by_mask!(BinaryTree, 2, PLANE);
+mask::detects_by_mask!(BinaryTree, 3, SPACE);
 
 /// Levels of the tree: on each, one bit of a cell's index selects the half, highest bit first.
 #[derive(Clone, Copy)]

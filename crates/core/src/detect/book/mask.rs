@@ -30,6 +30,23 @@ pub fn neighbour<const D: usize>(central: [u32; D], offset: [i32; D]) -> [u32; D
     fill(|k| central[k].wrapping_add_signed(offset[k]))
 }
 
+/// Implements `Detector` in one dimension, by the type's method `run` and the mask of that name.
+macro_rules! detects_by_mask {
+    ($detector:ty, $dim:literal, $mask:ident) => {
+        impl<T: Real> Detector<T, $dim> for $detector {
+            fn detect<B: Bodies<T, $dim>, P: Probe, S: Sink>(
+                &mut self,
+                bodies: B,
+                probe: &mut P,
+                sink: &mut S,
+            ) -> Result<(), Refusal> {
+                self.run(&bodies, mask::$mask, probe, sink)
+            }
+        }
+    };
+}
+pub(super) use detects_by_mask;
+
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;

@@ -44,39 +44,18 @@ impl Declare for Screening {
     }
 }
 
-impl<T: Real> Detector<T, 2> for Screening {
-    fn detect<B: Bodies<T, 2>, P: Probe, S: Sink>(
-        &mut self,
-        bodies: B,
-        probe: &mut P,
-        sink: &mut S,
-    ) -> Result<(), Refusal> {
-        let cells = Cells::new(&bodies)?;
-        self.run(&bodies, &cells, mask::PLANE, probe, sink)
-    }
-}
-
-impl<T: Real> Detector<T, 3> for Screening {
-    fn detect<B: Bodies<T, 3>, P: Probe, S: Sink>(
-        &mut self,
-        bodies: B,
-        probe: &mut P,
-        sink: &mut S,
-    ) -> Result<(), Refusal> {
-        let cells = Cells::new(&bodies)?;
-        self.run(&bodies, &cells, mask::SPACE, probe, sink)
-    }
-}
+mask::detects_by_mask!(Screening, 2, PLANE);
+mask::detects_by_mask!(Screening, 3, SPACE);
 
 impl Screening {
     fn run<T: Real, const D: usize, const M: usize>(
         &mut self,
         bodies: &impl Bodies<T, D>,
-        cells: &Cells<D>,
         mask: [[i32; D]; M],
         probe: &mut impl Probe,
         sink: &mut impl Sink,
     ) -> Result<(), Refusal> {
+        let cells = &Cells::new(bodies)?;
         self.prepare(cells, bodies.len())?;
         let n = bodies.len() as u32;
         // Offsets in the array from a central cell to its mask cells.

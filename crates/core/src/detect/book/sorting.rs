@@ -50,27 +50,8 @@ fn bytes<const D: usize>(n: usize) -> u64 {
     4 * (D as u64 + 1) * n as u64
 }
 
-impl<T: Real> Detector<T, 2> for Sorting<2> {
-    fn detect<B: Bodies<T, 2>, P: Probe, S: Sink>(
-        &mut self,
-        bodies: B,
-        probe: &mut P,
-        sink: &mut S,
-    ) -> Result<(), Refusal> {
-        self.run(&bodies, mask::PLANE, probe, sink)
-    }
-}
-
-impl<T: Real> Detector<T, 3> for Sorting<3> {
-    fn detect<B: Bodies<T, 3>, P: Probe, S: Sink>(
-        &mut self,
-        bodies: B,
-        probe: &mut P,
-        sink: &mut S,
-    ) -> Result<(), Refusal> {
-        self.run(&bodies, mask::SPACE, probe, sink)
-    }
-}
+mask::detects_by_mask!(Sorting<2>, 2, PLANE);
+mask::detects_by_mask!(Sorting<3>, 3, SPACE);
 
 impl<const D: usize> Sorting<D> {
     fn run<T: Real, const M: usize>(
