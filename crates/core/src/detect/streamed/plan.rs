@@ -3,7 +3,7 @@
 use super::grid::Grid;
 
 /// Numbering of the cells in a slab: the cells of a row are adjacent, then the rows of a layer,
-/// then the layers. If the cells of the grid hold many particles, a slab divides them along x.
+/// then the layers. A slab may divide the cells of the grid along x, see [`PARTS`].
 ///
 /// ```text
 ///   3D, a layer of 3 x 2 cells:    b b b b      b: borders, always empty;
