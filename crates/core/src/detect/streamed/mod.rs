@@ -11,9 +11,8 @@
 //! 3. Each particle is tested against the rest of its cell and the cell beside it, the three cells
 //!    in the next row, and the nine in the next layer. The particles of these cells form five
 //!    contiguous ranges (two in 2D). They are tested sixteen at a time in f32, or each range
-//!    alone on narrow registers (`single.rs`). If there are more spheres than cells, cells are
-//!    divided along x (`plan.rs`). Candidates in full cells are first copied side by side
-//!    (`together.rs`).
+//!    alone on narrow registers (`single.rs`). If it pays, cells are divided along x
+//!    (`plan.rs`). Candidates in full cells are first copied side by side (`together.rs`).
 //! 4. The contact test decides what f32 cannot, a few pairs in ten thousand contacts; `kernel.rs`
 //!    derives the bounds.
 //!

@@ -32,7 +32,7 @@ pub(super) struct Plan {
 const PARTICLES: usize = 4096;
 /// Mean numbers of particles per cell from which cells have this many parts along x (base-2
 /// logarithm), as measured. Among spheres with one to five per cell, shorter ranges need fewer
-/// vectors; discs have fewer ranges and gain nothing. In fuller cells, the particles of a part are
+/// vectors; discs have fewer ranges and lose by it. In fuller cells, the particles of a part are
 /// too few to share copies of candidates, until the tests saved outweigh this.
 const PARTS: [(f64, u32); 4] = [(1.0, 1), (5.0, 0), (12.0, 1), (32.0, 2)];
 
