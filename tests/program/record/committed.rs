@@ -255,17 +255,17 @@ fn the_index_names_every_record() {
 /// All verbs read a compressed record, and none appends to it.
 #[test]
 fn verbs_read_compressed_records() {
-    let record = &root().join("results/reference-motion/million");
+    let record = &root().join("results/reference/vectors-intel");
     let at = Place::new();
     let copy = Command::new("cp").arg("-r").args([record, at.root()]).status().unwrap();
     assert!(copy.success());
-    at.remove("million/report.md");
-    at.good("report million");
-    assert!(at.read("million/report.md") == read(record.join("report.md")));
-    at.good("compare million million");
-    at.good("merge million --out whole");
+    at.remove("vectors-intel/report.md");
+    at.good("report vectors-intel");
+    assert!(at.read("vectors-intel/report.md") == read(record.join("report.md")));
+    at.good("compare vectors-intel vectors-intel");
+    at.good("merge vectors-intel --out whole");
     assert!(at.read("whole/samples.jsonl").lines().count() > 100);
-    let words = ["million/samples.jsonl.gz", "gunzip"];
-    at.ends(2, "run motion --resume --out million", &words);
-    at.ends(2, "merge whole --out million", &["--out"]);
+    let words = ["vectors-intel/samples.jsonl.gz", "gunzip"];
+    at.ends(2, "run vectors --resume --out vectors-intel", &words);
+    at.ends(2, "merge whole --out vectors-intel", &["--out"]);
 }

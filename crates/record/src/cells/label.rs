@@ -150,7 +150,7 @@ pub fn over(cells: &[&Cell]) -> String {
                     list
                 });
             }
-            _ => parts.push(number::plural(values.len(), name)),
+            _ => parts.push(number::plural(values.len(), name.trim_end_matches('s'))),
         }
     }
     if parts.is_empty() { "its only cell".into() } else { parts.join("; ") }

@@ -89,11 +89,11 @@ fn a_part_is_not_covered_and_says_which() {
     let held = Held::plain(part);
     assert_eq!(held.statuses(), [NotCovered; 2]);
     let evidence = held.evidence(0);
-    for words in ["s = 50 to 200 of 2 to 200", "4 of 8 cells (stopped)", "always 200 (s = 2 to 20)"]
+    for words in ["s = 50 to 200 of 2 to 200", "4 of 8 cells (run in part)", "always 200 (s = 2 to 20)"]
     {
         assert!(evidence.contains(words), "{evidence}");
     }
-    for words in ["5 of 9 scenes and 10 of 18 cells", "missing: 8 cells (stopped)"] {
+    for words in ["5 of 9 scenes and 10 of 18 cells", "missing: 8 cells (run in part)"] {
         assert!(held.words.contains(words), "{}", held.words);
     }
     // A claim about the measured part is fully covered.
@@ -113,7 +113,7 @@ fn a_scene_that_is_half_done_and_its_blocks_are_said() {
     lab.param("s", 200).detector("nbs").count(&[("list_push", 200)]).memory(9, 9).time(&[100; 3]);
     let held = Held::plain(&lab);
     assert_eq!(held.statuses(), [Holds, NotCovered]);
-    let shown = "missing: 1 cell (stopped); 1 cell got 3 of its 7 blocks (stopped)";
+    let shown = "missing: 1 cell (run in part); 1 cell got 3 of its 7 blocks (run in part)";
     for words in ["8 of 9 scenes and 17 of 18 cells", shown] {
         assert!(held.words.contains(words), "{}", held.words);
     }
@@ -146,7 +146,7 @@ fn quick_runs_shards_and_budgets_are_told_apart() {
     let held = Held::new(&lab(&[3, 4], 7), &experiment(""), quick);
     assert_eq!((held.summary.scenes[0], held.summary.outside), (0, 2));
     assert_eq!(held.statuses(), [NotCovered; 2]);
-    let words = "not in this record: all 8 cells (stopped, quick run); in its own cells";
+    let words = "not in this record: all 8 cells (run in part, quick run); in its own cells";
     assert!(held.evidence(0).starts_with(words), "{}", held.evidence(0));
 }
 

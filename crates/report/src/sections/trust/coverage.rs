@@ -82,7 +82,7 @@ fn short(found: &Summary) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join(", "))
 }
 
-/// Formats reasons such as `20 cells (stopped), 4 (unavailable)`.
+/// Formats reasons such as `20 cells (run in part), 4 (unavailable)`.
 fn reasons(why: &BTreeMap<Why, usize>) -> String {
     let part = |(k, (why, count)): (usize, (&Why, &usize))| {
         let count = if k == 0 { plural(*count, "cell") } else { count.to_string() };
@@ -91,7 +91,7 @@ fn reasons(why: &BTreeMap<Why, usize>) -> String {
     why.iter().enumerate().map(part).collect::<Vec<_>>().join(", ")
 }
 
-/// Formats text such as `not in this record: s = 2 to 20 of 2 to 200; 4 of 9 cells (stopped)`.
+/// Formats text such as `not in this record: s = 2 to 20 of 2 to 200; 4 of 9 cells (run in part)`.
 pub fn uncovered(found: &Uncovered) -> String {
     let gaps: Vec<String> = found.gaps.iter().map(gap).collect();
     let names = found.unavailable.iter().cloned().collect::<Vec<_>>().join(", ");

@@ -24,7 +24,7 @@ use crate::record::row::{Outcome, Pass};
 contactbench_terms::named! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
     pub enum Why {
-        Stopped = "stopped",
+        Stopped = "run in part",
         Quick = "quick run",
         Shard = "other shard",
         NotMerged = "not merged",
