@@ -89,7 +89,8 @@ fn a_part_is_not_covered_and_says_which() {
     let held = Held::plain(part);
     assert_eq!(held.statuses(), [NotCovered; 2]);
     let evidence = held.evidence(0);
-    for words in ["s = 50 to 200 of 2 to 200", "4 of 8 cells (run in part)", "always 200 (s = 2 to 20)"]
+    for words in
+        ["s = 50 to 200 of 2 to 200", "4 of 8 cells (run in part)", "always 200 (s = 2 to 20)"]
     {
         assert!(evidence.contains(words), "{evidence}");
     }
