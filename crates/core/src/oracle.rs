@@ -170,7 +170,7 @@ fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>,
     }
 }
 
-/// Asks detectors for lists of contacts in turn until two have accepted the scene. Returns the
+/// Runs detectors one after another until two have accepted the scene. Returns the
 /// contacts in ascending order if both agree with each other, and with random particles that are
 /// tested against all others; `None` if fewer than two detectors accept the scene.
 pub(crate) fn agreed_by<L, C: Copy + PartialEq>(

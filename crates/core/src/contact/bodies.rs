@@ -55,8 +55,8 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     fn margin(&self) -> Margin {
         Margin::Safe
     }
-    /// Returns the number of the first image of another particle, or `u32::MAX` if none is known.
-    /// Two images never touch.
+    /// Returns the index of the first image of another particle, or `u32::MAX` if none is known.
+    /// The contact test rejects pairs of two images.
     fn first_image(&self) -> u32 {
         u32::MAX
     }

@@ -127,7 +127,7 @@ impl<'a> PairList<'a> {
         let (len, capacity) = (self.pairs.len(), self.pairs.capacity());
         let least = (len + more).saturating_sub(capacity);
         if self.lost == 0 {
-            // Number of expected pairs that have no space.
+            // Number of expected pairs beyond the capacity.
             let expected = self.total.saturating_sub(capacity).min(64 * capacity);
             self.estimated |= expected > capacity;
             // Other threads' lists need the rest of the allowance.

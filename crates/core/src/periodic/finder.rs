@@ -169,7 +169,7 @@ struct Sorted<'a, const D: usize> {
     level: Level,
     plain: PairList<'a>,
     shifted: List,
-    /// The last `waiting` pairs that were found one by one.
+    /// Pairs that were found one by one; the first `waiting` are not handed on yet.
     singles: [[u32; 2]; BATCH],
     waiting: usize,
 }

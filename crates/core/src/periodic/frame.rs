@@ -25,7 +25,7 @@
 //! images and all decisions refer to the given vectors ([`Frame::given`]). Given vectors that are
 //! nearly as good are kept, so that particles in the box need not be moved.
 //!
-//! **Upright boxes.** Particles of a tilted box often fill the upright box of the same edges.
+//! **Upright boxes.** Particles given with a tilted box often lie in the upright box instead.
 //! Moving them into the tilted box would need a copy of the scene. Upright boxes in shifted rows
 //! fill space too if each vector has a positive component along its own axis, none along later
 //! axes, and along earlier axes at most those vectors' own. Let ga be the axis a over that edge,

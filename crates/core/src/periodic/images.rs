@@ -35,7 +35,7 @@ pub struct Images<const D: usize> {
     radii: Vec<f64>,
 }
 
-/// Number of particles that show whether all may be in an upright box.
+/// Number of particles that are tested first for lying in an upright box.
 const SAMPLE: usize = 1024;
 
 struct Budget {

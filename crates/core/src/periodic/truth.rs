@@ -253,7 +253,7 @@ fn tested<const D: usize>(
         let mut result = Ok(());
         sieve.near(&fractions(at(j)), |k| {
             let i = few[k] as usize;
-            // A pair of two chosen particles is tested from one side.
+            // A pair of two chosen particles is tested once.
             if result.is_ok() && !(one_of_them && j < i) {
                 result = test(i.min(j), i.max(j));
             }

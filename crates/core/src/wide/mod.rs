@@ -94,7 +94,7 @@ impl Spot {
 /// Vectors of [`LANES`] floats in one instruction set. Masks have one bit per lane, the first lane
 /// in the lowest bit.
 pub trait Wide: Copy + Send + Sync {
-    /// One of the registers that make up the sixteen lanes.
+    /// Type of the registers that hold the sixteen lanes.
     type Register: Register;
     /// Returns the proof that a register's instructions may be used.
     fn register(self) -> Self::Register;
@@ -264,7 +264,7 @@ mod tests {
             for mask in 0..1u32 << LANES {
                 let mut to = [Slot::new([0; 2]); LANES];
                 w.pairs(7, &ids, mask, &mut to);
-                // SAFETY: all pairs have values.
+                // SAFETY: all slots were made with values.
                 let to = to.map(|pair| unsafe { pair.assume_init() });
                 let expected = (0..LANES).filter(|k| mask >> k & 1 == 1).map(|k| [7, ids[k]]);
                 assert!(expected.zip(to).all(|(a, b)| a == b), "{mask:#x}");

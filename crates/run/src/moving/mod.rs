@@ -52,9 +52,9 @@ pub const SEED: u32 = 1;
 
 #[derive(Debug)]
 pub struct Followed {
-    /// Numbers of contacts are of the checked contacts alone.
+    /// Measures of the motion; contact counts include only checked contacts.
     pub moved: Moved,
-    /// Checked contacts: all of them, too, if the sample would have included all particles.
+    /// Which contacts were checked: all, also if the sample includes all particles.
     pub check: Check,
     pub trackers: Vec<Tracked>,
 }

@@ -43,7 +43,7 @@ pub(super) struct Bounds {
     pub grow: f32,
     /// Edge of a cell in steps.
     one: f32,
-    /// Number of the first image; no two images touch. `u32::MAX` if none is known.
+    /// Index of the first image, or `u32::MAX` if none is known. The test rejects two images.
     pub first_image: u32,
 }
 

@@ -60,7 +60,7 @@ pub(super) struct ByCells<'a, const FLAT: bool> {
     begin: &'a [u32],
     next: &'a [u32],
     row: usize,
-    /// Number of cells that touching particles may be apart along x.
+    /// Largest distance between touching particles along x, in cells.
     parts: usize,
     /// Offset from a cell to the cell in the next layer.
     to_next: isize,

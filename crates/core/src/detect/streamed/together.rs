@@ -2,9 +2,9 @@
 //!
 //! The candidates are first copied side by side, with coordinates relative to the particles' cell.
 //! All vectors but the last are then full, and each copy serves all particles from the nearest
-//! cache. This form accepts any number of candidates and of contacts per vector, and pairs that
-//! only the contact test can decide. If all of the particles are images in a periodic box, images
-//! among the candidates are left out, because no two images touch.
+//! cache. The sweep handles any number of candidates, any number of contacts per vector, and
+//! pairs that need the contact test. If all of the particles are images in a periodic box, images
+//! among the candidates are left out, because the test would reject them.
 
 use std::ops::Range;
 

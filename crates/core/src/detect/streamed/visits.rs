@@ -32,8 +32,8 @@
 //! bits. Along the other axes the kernel is exact, but here two numbers are rounded to 24 bits: v
 //! minus the origin of the cell, which is at most R plus one cell, and the difference. For later
 //! rows of a patch whole cells are subtracted, which leaves at most R. This adds at most 2^-22 R
-//! per axis, so the relative part of the bound is 2^-18 instead of 2^-19. If a cell is wider than
-//! R, the part of one cell is covered by that of x, whose axis has at least two cells.
+//! per axis, so the relative part of the bound is 2^-18 instead of 2^-19. A cell
+//! wider than R adds one cell to the bound; the bound for x, with at least two cells, covers it.
 
 use super::grid::Grid;
 use super::kernel::{Limits, Query, test};
@@ -158,8 +158,8 @@ impl<const D: usize> Host<'_, D> {
             let gap = max(max(-origin, origin - one), 0.0);
             (gap * gap, origin as f32)
         };
-        // Adds the patches of rows in a layer. `left` is the squared reach there, `offset` the
-        // number of the first cell of the first row.
+        // Adds the patches of rows in a layer. `left` is the squared reach less the squared gap to
+        // the layer, `offset` the index of the first row's first cell.
         let wide = reach > CLIP * one;
         let mut rows = |left: f64, root, (mut row, last): (usize, usize), z, mut offset, stride| {
             while row <= last {
