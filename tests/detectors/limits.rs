@@ -18,7 +18,7 @@ const PAIRS: u64 = 3000 * 2999 / 2;
 /// The scene has enough particles for a second thread of any detector.
 #[test]
 fn nobody_lists_more_than_the_limit_allows() {
-    let scene = clump(21_000, 3000);
+    let scene = clump(31_000, 3000);
     for entry in TABLE.iter().filter(|entry| entry.must_be_right()) {
         for threads in if entry.threads { 1..3 } else { 1..2 } {
             let mut pairs = vec![[7, 9]];
@@ -26,7 +26,7 @@ fn nobody_lists_more_than_the_limit_allows() {
             for _ in 0..2 {
                 let refusal = detector.list(&scene, Test::Exact, &mut pairs).unwrap_err();
                 let what = format!("{} with {threads} threads: {refusal}", entry.name);
-                let Refusal::Pairs { found, particles: 21_000, room } = refusal else {
+                let Refusal::Pairs { found, particles: 31_000, room } = refusal else {
                     panic!("{what}")
                 };
                 assert_eq!((found, &pairs), (PAIRS, &vec![[7, 9]]), "{what}");
@@ -34,7 +34,7 @@ fn nobody_lists_more_than_the_limit_allows() {
             }
             // The detector still works after the refusal.
             pairs.clear();
-            detector.list(&clump(21_000, 2), Test::Exact, &mut pairs).unwrap();
+            detector.list(&clump(31_000, 2), Test::Exact, &mut pairs).unwrap();
             assert_eq!(pairs.len(), 1, "{}", entry.name);
         }
     }

@@ -12,11 +12,10 @@ use std::ptr::NonNull;
 
 use super::refusal::out_of_memory;
 
-/// Size of a large page in bytes, and of the arrays from which they are requested.
+/// Size of a large page in bytes.
 const LARGE: usize = 1 << 21;
 
-/// An array whose elements have no values at first. From half a large page on, it consists of large
-/// pages.
+/// An array whose elements have no values at first. From half a large page on, it fills whole ones.
 pub struct Array<A> {
     begin: NonNull<MaybeUninit<A>>,
     len: usize,

@@ -130,9 +130,9 @@ impl<'a> PairList<'a> {
             // Number of expected pairs beyond the capacity.
             let expected = self.total.saturating_sub(capacity).min(64 * capacity);
             self.estimated |= expected > capacity;
-            // Other threads' lists need the rest of the allowance.
-            let most = self.allowance.left.load(Relaxed) as usize / 8;
-            let granted = self.allowance.take(least.max(capacity.max(expected).max(4).min(most)));
+            // An estimate may be wrong, and the lists of other threads need space, too.
+            let most = self.allowance.left.load(Relaxed) as usize / 16;
+            let granted = self.allowance.take(least.max(capacity).max(expected.min(most)).max(4));
             let room = capacity + granted - len;
             if granted >= least {
                 if self.reserve(room) {

@@ -88,8 +88,8 @@ unsafe impl Register for Avx512 {
     fn squares(self, spots: &[Spot], pairs: &[[u32; 2]]) -> (__m512, [__m512i; 2]) {
         assert!(pairs.len() >= LANES);
         let from: *const i32 = pairs.as_ptr().cast();
-        // SAFETY: AVX-512 F was found; the assertion ensures that places are below the number of
-        // spots.
+        // SAFETY: AVX-512 F was found; one assertion ensures that sixteen pairs can be read, the
+        // other that places are below the number of spots.
         unsafe {
             let (low, high) = (_mm512_loadu_epi32(from), _mm512_loadu_epi32(from.add(LANES)));
             let most = _mm512_set1_epi32(u32::try_from(spots.len()).unwrap_or(u32::MAX) as i32);

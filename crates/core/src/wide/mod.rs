@@ -3,7 +3,7 @@
 //! A kernel is written once, over [`Wide`] or one [`Register`], and compiled for every instruction
 //! set. [`Level::best`] selects the widest set that the processor has at run time, so one binary
 //! serves all machines. A value of a type that implements [`Register`] proves that its instructions
-//! may be used: only [`Level`] creates one, after checking the processor.
+//! may be used: either every processor of the architecture has them, or only `detect` creates one.
 //!
 //! | level | registers | instructions |
 //! |---|---|---|
@@ -118,8 +118,8 @@ pub trait Wide: Copy + Send + Sync {
     fn max(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// Returns a mask of the lanes with a <= b.
     fn at_most(self, a: Self::Floats, b: Self::Floats) -> u32;
-    /// Writes the ids that `mask` selects to the front of `to`; the rest of `to` is unspecified.
-    /// The mask may select at most eight. The lower eight ids are in `low`, the others in `high`.
+    /// Writes the first eight ids that `mask` selects to the front of `to`; the rest of `to` is
+    /// unspecified. The lower eight ids are in `low`, the others in `high`.
     fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]);
     /// Writes the pair (i, ids\[k\]) to `to`\[k\], for each k.
     fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [Slot; HALF]);

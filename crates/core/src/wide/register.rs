@@ -249,7 +249,7 @@ macro_rules! instructions {
         #[inline(always)]
         #[allow(unused_unsafe, reason = "plain Rust is safe")]
         fn $name(self, $($arg: $type),*) -> $result {
-            // SAFETY: the value proves that its instructions were found.
+            // SAFETY: the value proves that its instructions were found. Reads are of whole arrays.
             unsafe { $value }
         }
     )*};

@@ -125,15 +125,12 @@ pub fn follow(
         let Some(given) = frame(k)? else { break };
         let frame = given.loaded(arithmetic)?;
         let n = frame.particles();
-        check = match check {
-            Check::Sample(count) if count >= n => Check::All,
-            check => check,
-        };
-        if chosen.as_ref().is_none_or(|chosen| chosen.len() != n) {
-            chosen = match check {
-                Check::All => None,
-                Check::Sample(count) => Some(random(n, count, SEED)),
-                Check::None => Some(vec![false; n]),
+        // Every frame has the same particles.
+        if k == 0 {
+            (check, chosen) = match check {
+                Check::Sample(count) if count < n => (check, Some(random(n, count, SEED))),
+                Check::None => (check, Some(vec![false; n])),
+                _ => (Check::All, None),
             };
         }
         let chosen = chosen.as_deref();

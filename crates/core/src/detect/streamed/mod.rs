@@ -35,11 +35,11 @@
 //!   particles and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`, and the records of one. A bundle has
 //!   2,000 to 4,000 particles, or one layer if that is more. Classes need the lists of each and two
 //!   bundles that hold the largest of any. The sparse form needs 24N, or 32N with radii, and two
-//!   layers. Each thread has 34 KiB of working space. Several threads have two bundles each
+//!   layers. Each thread has 32 KiB of working space. Several threads have two bundles each
 //!   and collect contacts, 8 bytes each, in lists of at most twice the length needed; a repeated
 //!   call allocates only what distributes the work.
-//! * Refuses extents that overflow, more than 2^31 - 1 particles, and in the sparse form 2^31 or
-//!   more cells along an axis.
+//! * Refuses extents that overflow (from 49 particles on), more than 2^31 - 1 particles, and in
+//!   the sparse form 2^31 or more cells along an axis.
 //! * Threads are used in the dense form, from 30,000 particles on, and not with size classes.
 //! * In `textbook` arithmetic the filters are as safe as in f64, except in scenes left to
 //!   [`HGrid`]: the book prints no filters for this detector.
@@ -258,7 +258,7 @@ trait PairSink {
     /// Returns whether two particles touch, for pairs that only the contact test can decide.
     fn touches(&mut self, i: u32, j: u32) -> bool;
     fn counts(&self) -> bool;
-    /// Receives the share of the particles swept so far, from 0 to 1.
+    /// Receives the share of the bundles of layers swept so far, from 0 to 1.
     fn swept(&mut self, share: f64);
     /// Counts `n` operations, including the contact tests of uncertain pairs, made later.
     fn count(&mut self, op: Op, n: u64);

@@ -82,7 +82,7 @@ impl<'a> Output<'a> {
     ) {
         if near == sure {
             let ids = source.ids().map(|half| *half);
-            // SAFETY: each call begins and ends with at most `ROOM - LANES` pairs.
+            // SAFETY: each call ends with at most `ROOM - LANES` pairs, and no caller has more.
             let places = unsafe { self.places(self.found) };
             w.pairs(id, &fill(|k| ids[k / HALF][k % HALF]), near, places);
             self.found += near.count_ones() as usize;

@@ -93,7 +93,7 @@ pub(super) unsafe fn chunk<A, const N: usize>(array: &[A], at: usize) -> &[A; N]
 /// Loads a register of values from an array, from place `at` on.
 ///
 /// # Safety
-/// `at` plus [`LANES`] must be at most the length of the array.
+/// `at + LANES` must be at most the length of the array. `V` must be at most `LANES` plain numbers.
 #[inline(always)]
 pub(super) unsafe fn load<A, V: Copy>(array: &[A], at: usize) -> V {
     debug_assert!(at + LANES <= array.len() && size_of::<V>() <= LANES * size_of::<A>());

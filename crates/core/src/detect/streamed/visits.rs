@@ -104,7 +104,7 @@ pub(super) struct Visit<'a, const D: usize> {
 
 /// Number of patches that are tested together.
 const PATCHES: usize = 128;
-/// Number of visitors' records that are read together.
+/// Number of visitors' records that are read together; at most 256, because places are bytes.
 const TOGETHER: usize = 256;
 /// 2^52: adding it to a smaller number leaves the nearest integer in the lowest bits.
 const WHOLE: f64 = (1u64 << 52) as f64;

@@ -296,7 +296,7 @@ fn several_threads_find_the_contacts_of_one() {
     let mut bag = thousand(CUBE);
     bag.vectors = CUBE.map(|vector| vector.map(|x| 3.0 * x));
     bag.centres =
-        (0..24_000).map(|_| std::array::from_fn(|_| 48.0 * random.random::<f64>())).collect();
+        (0..31_000).map(|_| std::array::from_fn(|_| 48.0 * random.random::<f64>())).collect();
     let mut outside = bag.clone();
     outside.centres.iter_mut().step_by(3).for_each(|x| x[2] -= 48.0);
     for bag in [bag, outside] {
