@@ -109,6 +109,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         told.of_contacts(&place, found.scene(), source.as_ref(), arithmetic, Some(&touching));
         Ok(())
     })?;
+    drop(progress);
     told.end(&file);
     all.end();
     ensure!(!all.rows.is_empty(), "{list_file}: no frame has a list");

@@ -234,18 +234,18 @@ fn the_index_names_every_record() {
         assert_eq!(made, &revision[..7], "{row:?}");
         assert_eq!(day, &provenance(&record, "date_utc").unwrap()[..10], "{row:?}");
         let report = read(record.join("report.md"));
+        // A record of counts alone has no times to doubt.
+        let timed = report.contains(" s of timing");
         let sealed = provenance(&record, "record_schema").is_some_and(|it| &*it >= "4");
         let words = [
             ("clean", provenance(&record, "dirty").is_some_and(|it| it == "false")),
-            ("idle", report.contains(" s of timing") && !report.contains("do not quote the times")),
+            ("idle", timed && !report.contains("do not quote the times")),
             ("sealed", sealed),
             ("twins", report.contains("measured again as a second subject")),
         ];
         let words: Vec<&str> = words.iter().filter(|(_, is)| *is).map(|(word, _)| *word).collect();
         assert_eq!(trust, words.join(", "), "{row:?}");
         if pages.iter().any(|(_, text)| quotes(text, &record).next().is_some()) {
-            // A record of counts alone has no times to doubt.
-            let timed = report.contains(" s of timing");
             assert!(trust.starts_with(if timed { "clean, idle" } else { "clean" }), "{row:?}");
             let ancestor = ["merge-base", "--is-ancestor", &revision, "HEAD"];
             let shallow = git(&["rev-parse", "--is-shallow-repository"]);

@@ -59,7 +59,6 @@ fn missing_instructions_are_refused_and_available_ones_listed() {
     assert!(pairs.is_empty());
 }
 
-/// Ranks are unique and without gaps.
 #[test]
 fn ranks_of_judges_are_distinct() {
     let judges = judges();

@@ -186,8 +186,9 @@ impl Chosen {
     }
 
     pub fn among<S: AsRef<str>>(&self, names: &[S], place: &str) -> anyhow::Result<()> {
-        for (key, _, which) in self.given() {
+        for (key, column, which) in self.given() {
             let name = which.text();
+            self.keeps(Column::named(&name), column, &format!("{place}: {key}={name}"))?;
             ensure!(
                 matches!(which, Which::Name(_))
                     && names.iter().any(|known| known.as_ref().trim() == name),
@@ -196,6 +197,18 @@ impl Chosen {
                 listed(names)
             );
         }
+        Ok(())
+    }
+
+    /// Refuses a coordinate that is chosen as something else: its axis would be lost in silence.
+    fn keeps(&self, named: Column, chosen: Column, what: &str) -> anyhow::Result<()> {
+        let is_axis = |column| matches!(column, Column::Axis(_));
+        ensure!(
+            !is_axis(named) || is_axis(chosen) || self.axes(),
+            "{what}: that column is the coordinate {}; choose another, or all coordinates as well, \
+             with --columns x=NAME,y=NAME",
+            named.words()
+        );
         Ok(())
     }
 
@@ -210,6 +223,7 @@ impl Chosen {
                 "{place}: {key}={}: that column is taken for something else already",
                 which.text()
             );
+            self.keeps(columns.meaning[k], meaning, &format!("{place}: {key}={}", which.text()))?;
             taken.push(k);
             columns.meaning[k] = meaning;
         }

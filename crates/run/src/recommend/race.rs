@@ -33,7 +33,7 @@ const PATIENCE: u32 = 20;
 /// Number of blocks before a slow detector is dropped, because one block may be disturbed.
 const FIRST_BLOCKS: u32 = 2;
 /// Number of blocks that an interval of 95% needs.
-const FEWEST: u32 = 6;
+pub(super) const FEWEST: u32 = 6;
 /// Maximum number of blocks; more would hardly narrow the interval.
 const MOST: u32 = 51;
 /// Multiple of its time that the race may take to reach [`FEWEST`] blocks.

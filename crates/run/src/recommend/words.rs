@@ -3,6 +3,7 @@ use serde_json::{Value, json};
 use contactbench_record::stats::interval::{Interval, ratio};
 use contactbench_terms::number::{number, with_interval};
 
+use crate::recommend::race::FEWEST;
 use crate::recommend::subject::{Race, RacedSubject, fastest};
 use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 
@@ -55,12 +56,15 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
         text += "\n  no other detector has a time, so nothing was compared; give more --seconds";
     }
     text += &match (&race.twin, verdict.floor) {
+        _ if race.blocks < FEWEST => format!(
+            "\n  {} of the {FEWEST} blocks that a decision needs; give more --seconds",
+            race.blocks
+        ),
         (Some(twin), Some(floor)) => format!(
             "\n  a second copy of it took {} times as long:\n  factors below {floor:.2} decide \
              nothing",
             with_interval(twin)
         ),
-        _ if race.blocks < 2 => "\n  one block decides nothing; give more --seconds".into(),
         _ => "\n  the second copy of it has no times, so nothing is decided".into(),
     };
     text
