@@ -35,6 +35,13 @@ fn axes_and_results_are_seen_at_every_width() {
     browser.phone();
     browser.show(&page);
     assert!(side(&browser, ".strip.own", "top").is_some(), "each strip has its axis");
+    // The labels, which replace the heads, are those of their columns.
+    let labels = browser.run(
+        "const at = (tag, k) => document.querySelector(`table.answer ${tag}:nth-child(${k})`);
+         return [[4, '::after'], [6, '::before']].map(([k, side]) =>
+             at('th', k).textContent + getComputedStyle(at('td', k), side).content)",
+    );
+    assert_eq!(labels, json!(["time / pair (ns)\" ns per pair\"", "runner-up\"runner-up: \""]));
     let heads = browser.run(
         "return [...document.querySelectorAll('#cells th')].slice(0, 3).map(it => it.textContent)",
     );
