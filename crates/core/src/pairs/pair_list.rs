@@ -23,13 +23,15 @@ pub struct Allowance {
     /// Number of pairs that still fit, and number that fit at first.
     left: AtomicU64,
     all: u64,
+    /// Number of lists made so far.
+    lists: AtomicU64,
 }
 
 impl Allowance {
     /// Creates an allowance of this many bytes.
     pub fn new(bytes: u64) -> Allowance {
         let all = bytes / PAIR_BYTES;
-        Allowance { left: AtomicU64::new(all), all }
+        Allowance { left: AtomicU64::new(all), all, lists: AtomicU64::new(0) }
     }
 
     /// Takes space for up to this many pairs and returns the number of pairs that was granted.
@@ -75,6 +77,7 @@ impl<'a> PairList<'a> {
     /// Creates a list that begins with `pairs`, whose capacity counts against the allowance.
     pub fn behind(pairs: Vec<[u32; 2]>, allowance: &'a Allowance) -> PairList<'a> {
         allowance.take(pairs.capacity());
+        allowance.lists.fetch_add(1, Relaxed);
         let before = pairs.len();
         let (share, estimated) = (0.0, false);
         let (lost, exhausted, door) = (0, 0, None);
@@ -130,9 +133,10 @@ impl<'a> PairList<'a> {
             // Number of expected pairs beyond the capacity.
             let expected = self.total.saturating_sub(capacity).min(64 * capacity);
             self.estimated |= expected > capacity;
-            // An estimate may be wrong, and the lists of other threads need space, too.
-            let most = self.allowance.left.load(Relaxed) as usize / 16;
-            let granted = self.allowance.take(least.max(capacity).max(expected.min(most)).max(4));
+            // Other threads' lists need the rest of the allowance.
+            let parts = if self.allowance.lists.load(Relaxed) > 1 { 8 } else { 1 };
+            let most = self.allowance.left.load(Relaxed) as usize / parts;
+            let granted = self.allowance.take(least.max(capacity.max(expected).max(4).min(most)));
             let room = capacity + granted - len;
             if granted >= least {
                 if self.reserve(room) {
