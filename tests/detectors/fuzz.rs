@@ -37,11 +37,12 @@ fn inputs(target: &str, count: u32) -> impl Iterator<Item = Vec<u8>> {
         let mut bytes = seeds[random.random_range(0..seeds.len())].clone();
         for _ in 0..random.random_range(1..8) {
             let at = random.random_range(0..bytes.len().max(1)).min(bytes.len());
-            match random.random_range(0..5) {
+            match random.random_range(0..6) {
                 0 => bytes.insert(at, random.random()),
                 1 if at < bytes.len() => drop(bytes.remove(at)),
                 2 => bytes.extend_from_slice(&seeds[random.random_range(0..seeds.len())]),
-                3 if at < bytes.len() => bytes[at] ^= 1 << random.random_range(0..8),
+                3 => bytes.truncate(at),
+                4 if at < bytes.len() => bytes[at] ^= 1 << random.random_range(0..8),
                 _ if at < bytes.len() => bytes[at] = random.random(),
                 _ => {}
             }
