@@ -123,4 +123,12 @@ fn the_extremes() {
             }
         }
     }
+    // Tangent at the largest distance, and one step off it; a gap below the smallest double.
+    let (huge, tiny) = (f64::MAX, f64::from_bits(1));
+    for y in [0.0, tiny] {
+        check([huge, 0.0], [-huge, y], huge, huge).unwrap();
+        check([0.0, 0.0], [tiny, y], tiny, 0.0).unwrap();
+        check([1e300, y], [1e300, 0.0], tiny, 0.0).unwrap();
+    }
+    check([0.0, 1e-300], [1.0, 0.0], 0.5, 0.5).unwrap();
 }
