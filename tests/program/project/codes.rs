@@ -138,21 +138,3 @@ fn settings_are_told_apart() -> Result<(), String> {
     }
     Ok(())
 }
-
-/// A foreign program that fails to start twice is skipped; one that fails later is a failure.
-#[test]
-fn programs_of_others_are_tried_twice() {
-    let tries = std::cell::Cell::new(0);
-    let starts_at = |first: u32| {
-        tries.set(0);
-        foreign("trying twice, which is tested", || {
-            tries.set(tries.get() + 1);
-            if tries.get() < first { Err("no daemon".into()) } else { Ok(()) }
-        });
-        tries.get()
-    };
-    assert_eq!([1, 2].map(starts_at), [1, 2]);
-    let daemon = "[host:1] *** An error occurred in MPI_Init\nORTE was unable to start a daemon\n";
-    assert!(not_started(daemon).unwrap().contains("MPI_Init"));
-    assert_eq!(not_started("ERROR: Unknown pair style\n"), None);
-}
