@@ -121,16 +121,6 @@ fn a_sample_finds_what_its_particles_miss() {
     }
 }
 
-/// In a shear, particles move with the box. So only the change of tilt makes a list invalid,
-/// however far they move.
-#[test]
-fn a_list_serves_a_box_that_is_sheared() {
-    let shear = Motion { kind: Kind::Shear, speed: 0.02, seed: 1 };
-    let frames = motion("loose:dim=3,n=500,fraction=0.3,periodic=true", 40, shear);
-    let followed = followed(&frames, &["verlet(nbs,rule=top-two,skin=0.2)"]);
-    assert_eq!(followed.trackers[0].builds.built, 1);
-}
-
 #[test]
 fn a_contact_that_goes_through_a_face_goes_on() {
     let flight = |k: u32| {
