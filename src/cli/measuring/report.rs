@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use anyhow::{Context, bail, ensure};
 
 use crate::cli::shared::ci::{self, Case, Outputs};
-use crate::cli::shared::terminal::{self, quoted};
+use crate::cli::shared::terminal;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::findings::claim;
 use contactbench_record::findings::trust::failures::Culprit;
@@ -69,11 +69,11 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
 
 pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     let (record, experiments) = read(folder)?;
+    let quoted = folder.display().to_string();
+    let quoted = shlex::try_quote(&quoted)?;
     let again = || {
-        format!(
-            "the record is whole; solve the problem below, then run contactbench report {}",
-            quoted(&folder.display().to_string())
-        )
+        let then = "solve the problem below, then run contactbench report";
+        format!("the record is whole; {then} {quoted}")
     };
     let report =
         report::write(folder, &experiments, &record.rows, &record.warnings).with_context(again)?;
@@ -87,8 +87,7 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     writeln!(out, "report:  {}", report.path.display())?;
     writeln!(out, "page:    {}", report.page.display())?;
     if record.rows.iter().any(|row| row.role.base_of().is_some()) {
-        let folder = quoted(&folder.display().to_string());
-        writeln!(out, "builds:  contactbench compare {folder}")?;
+        writeln!(out, "builds:  contactbench compare {quoted}")?;
     }
     // Detectors that were wrong, crashed or not started come before the claims.
     let mut cases: Vec<Case> = report.culprits.iter().map(culprit).collect();

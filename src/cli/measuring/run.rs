@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use crate::cli::measuring::report::finish;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::progress::Terminal;
-use crate::cli::shared::terminal::{self, quoted};
+use crate::cli::shared::terminal;
 use crate::cli::shared::values;
 use contactbench_record::experiment::shard::Part;
 use contactbench_record::record::row;
@@ -127,5 +127,5 @@ fn again(options: &Run, folder: &Path) -> String {
     );
     words.extend(options.shard.iter().flat_map(|part| ["--shard".into(), part.shard.to_string()]));
     words.extend(["--resume".into(), "--out".into(), folder.display().to_string()]);
-    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+    shlex::try_join(words.iter().map(String::as_str)).unwrap_or_default()
 }

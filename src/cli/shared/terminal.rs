@@ -101,13 +101,6 @@ pub fn save(path: &Path, bytes: &[u8], option: &str) -> anyhow::Result<()> {
     contactbench_io::write::whole(path, |out| out.write_all(bytes)).with_context(cannot)
 }
 
-/// Quotes a word for a shell.
-pub fn quoted(word: &str) -> String {
-    let plain =
-        !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "-_./+=,:@%".contains(c));
-    if plain { word.to_string() } else { format!("'{}'", word.replace('\'', "'\\''")) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
