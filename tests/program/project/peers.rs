@@ -2,17 +2,14 @@
 //! missing library is reported as unavailable, with a command that installs it. Others give right
 //! answers, unless they compute in single precision.
 
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
 
 use contactbench::detect::peers::{self, PEERS};
 use contactbench::detect::table::{self, Role};
 use contactbench::record::role;
 use contactbench::record::row::{Outcome, Row};
-use serde_json::Value;
 
-use crate::common::{Place, ended, program, untested};
+use crate::common::{Place, ended, program};
 
 const EXPERIMENTS: [&str; 2] = [
     include_str!("../../../experiments/peers.toml"),
@@ -107,61 +104,5 @@ fn runners_are_right_or_unavailable() {
     for name in runners().lines().filter_map(|line| line.strip_prefix("name = ")) {
         let last = rows.iter().rfind(|row| format!("\"{}\"", row.id.detector) == name).unwrap();
         println!("{name}: {} {}", last.outcome.name(), last.reason);
-    }
-}
-
-#[test]
-fn runners_away_from_the_repository_say_where_to_start() {
-    let text = format!("detectors = []\n[[scene]]\nname = \"packed\"\nn = 10\n{}", runners());
-    for row in rows(Place::new().root(), &text).iter().filter(|row| row.role == role::Role::Runner)
-    {
-        assert!(
-            row.outcome == Outcome::Unavailable
-                && row.reason.contains("in the root of the repository"),
-            "{row:?}"
-        );
-    }
-}
-
-/// Returns the reply of a runner that cannot load its library.
-fn reply(command: &mut Command) -> Option<Value> {
-    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
-    // Writing fails if the runner has ended already.
-    let _ = child.stdin.take().unwrap().write_all(b"{\"request\":\"quit\"}\n");
-    let output = child.wait_with_output().unwrap();
-    let reply: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(reply["reply"], "unavailable", "{reply}");
-    Some(reply["reason"].clone())
-}
-
-/// Runners report a library as unavailable if importing it or compiling their program fails.
-#[test]
-fn a_runner_without_its_library_or_compiler_names_the_way_to_get_it() {
-    let at = Place::new();
-    let runners = Path::new(env!("CARGO_MANIFEST_DIR")).join("runners");
-    for (runner, module, package) in [
-        ("ckdtree", "scipy", "scipy"),
-        ("mdanalysis", "MDAnalysis", "MDAnalysis"),
-        ("freud_query", "freud", "freud-analysis"),
-        ("vesin_list", "vesin", "vesin"),
-    ] {
-        at.file(&format!("{module}.py"), "raise ImportError('hidden')\n");
-        let mut python = Command::new("python3");
-        python.arg(runners.join(format!("{runner}.py"))).env("PYTHONPATH", at.root());
-        let Some(reason) = reply(&mut python) else {
-            untested("runners in Python without their libraries", "python3");
-            break;
-        };
-        let ways = [package, "numpy"].map(|it| format!("pip install {it}"));
-        assert!(ways.iter().any(|way| reason.as_str().unwrap().contains(way)), "{reason}");
-    }
-    for (name, words) in
-        [("nanoflann", "libnanoflann-dev"), ("cgal", "libcgal-dev"), ("flann", "no runner flann")]
-    {
-        let mut shell = Command::new("sh");
-        shell.arg(runners.join("run.sh")).arg(name).env("CXX", "no-such-compiler");
-        shell.env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
-        let reason = reply(&mut shell).unwrap();
-        assert!(reason.as_str().unwrap().contains(words), "{reason}");
     }
 }
