@@ -165,23 +165,6 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
     assert!((1500..4500).contains(&touching), "{touching}");
 }
 
-/// In larger scenes detectors establish the truth, and a sample of pairs checks it.
-#[test]
-fn detectors_agree_on_the_truth_of_large_scenes() {
-    let n = 20_000;
-    let random = &mut ChaCha8Rng::seed_from_u64(4);
-    let bag = Bag {
-        centres: (0..n).map(|_| [0, 1].map(|_| 100.0 * random.random::<f64>())).collect(),
-        radii: Radii::Uniform(0.25),
-        vectors: [[100.0, 0.0, 0.0], [30.0, 100.0, 0.0], [0.0; 3]],
-        periodic: [true, true, false],
-        origin: [0.0; 3],
-    };
-    let expected = ask(&mut *TABLE[5].make(OPTIONS), &bag.periodic(), Arithmetic::Exact).unwrap();
-    assert!(expected.iter().any(|pair| pair.image != [0; 3]));
-    assert_eq!(bag.truth(), expected);
-}
-
 /// Cells hold many particles and images, so that candidates are copied side by side, at most 1,024
 /// at a time; some cells hold only images. Lists have more pairs than are sorted at a time. In half
 /// of the scenes particles are outside the box.

@@ -237,24 +237,6 @@ fn reduced_vectors_lose_nothing() {
     assert!(contacts > 3000 && boxes > 200, "{contacts} {boxes}");
 }
 
-/// A particle touches itself if and only if its diameter reaches the shortest vector.
-#[test]
-fn the_shortest_vector_is_where_a_particle_meets_itself() {
-    for (vectors, shortest) in [
-        (CUBE, 16.0),
-        ([[3.0, 0.0, 0.0], [301.0, 4.0, 0.0], [0.0, -8000.0, 12.0]], 3.0),
-        ([[5.0, 0.0, 0.0], [5.0, 3.0, 0.0], [4.0, 3.0, 9.0]], 3.0),
-    ] {
-        let mut bag = Bag { centres: vec![[0.25; 3]], ..thousand(vectors) };
-        assert_eq!(bag.lattice().shortest(), shortest);
-        bag.radii = Radii::Uniform((0.5 * shortest).next_down());
-        all_find(&bag, &[]);
-        bag.radii = Radii::Uniform(0.5 * shortest);
-        assert!(!bag.truth().is_empty());
-        all_find(&bag, &bag.truth());
-    }
-}
-
 /// Particles that left the box by less than a reach are not moved into it, distant ones are. In
 /// both cases there are few images, wherever the box begins.
 #[test]
