@@ -1,4 +1,4 @@
-//! Compares detectors with the truth, known results and their own results for changed scenes.
+//! Compares detectors in boxes with the truth and with known results.
 
 mod agreement;
 mod crowded;
@@ -6,7 +6,6 @@ mod extremes;
 mod finder;
 mod golden;
 mod predicate;
-mod relations;
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::any::AnyDetector;
