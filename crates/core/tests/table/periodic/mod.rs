@@ -5,7 +5,6 @@ mod crowded;
 mod extremes;
 mod finder;
 mod golden;
-mod predicate;
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::any::AnyDetector;
