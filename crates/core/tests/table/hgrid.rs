@@ -13,26 +13,6 @@ fn count(detector: &str, scene: &AnyScene<'_>) -> Tally {
     tally
 }
 
-/// Particles of one size form one level. Its contact tests are those of `cell-grid`; the same holds
-/// for mixed sizes in one level.
-#[test]
-fn one_level_makes_the_tests_of_the_cell_grid() {
-    let equal = scene::<3>(vec![0.5; 3000], 12.0, 1);
-    let mixed = scene::<2>((0..3000).map(|k| 0.1 + 0.4 * f64::from(k % 7)).collect(), 90.0, 2);
-    for (scene, detector) in
-        [(&equal, "hgrid"), (&equal, "hgrid:ratio=8"), (&mixed, "hgrid:ratio=one-level")]
-    {
-        let (one, grid) = (count(detector, scene), count("cell-grid", scene));
-        assert_eq!(one.get(Op::ContactTest), grid.get(Op::ContactTest), "{detector}");
-        assert_eq!(one.get(Op::LevelProbe), 0, "{detector}");
-    }
-    let levels = count("hgrid", &mixed);
-    assert!(
-        levels.get(Op::ContactTest) < count("cell-grid", &mixed).get(Op::ContactTest)
-            && levels.get(Op::LevelProbe) > 0
-    );
-}
-
 /// A giant is tested against the dust around it, or against all dust if that is cheaper than
 /// visiting cells. Dust is never tested against the giant's cells.
 #[test]
