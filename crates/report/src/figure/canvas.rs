@@ -55,7 +55,45 @@ pub fn svg([width, height]: [f64; 2], draw: impl FnOnce(&mut Canvas)) -> String 
     canvas.rect((0.0, 0.0), (size.0.into(), size.1.into()), WHITE);
     draw(&mut canvas);
     drop(canvas);
-    text
+    // A renderer assumes these values, or takes them from the outer element. Without them the text
+    // is a third shorter.
+    const FONT: &str = " font-family=\"sans-serif\"";
+    for default in [" opacity=\"1\"", " stroke-width=\"1\"", " stroke=\"none\"", FONT] {
+        text = text.replace(default, "");
+    }
+    joined(&text).replacen("<svg", &format!("<svg{FONT}"), 1)
+}
+
+/// Joins consecutive lines with equal attributes, such as the dashes of a line, to one path. Its
+/// coordinates are relative to the previous ones, because those have fewer digits.
+fn joined(svg: &str) -> String {
+    let (mut out, mut open, mut pen) = (String::new(), "", [0; 2]);
+    for element in svg.lines() {
+        let line = element.strip_prefix("<line ").and_then(|it| it.strip_suffix("\"/>"));
+        let parts = line.and_then(|line| line.split_once(" x1=\""));
+        let look = parts.map_or("", |parts| parts.0);
+        if look != open && !open.is_empty() {
+            out += "\"/>\n";
+        }
+        if let Some((look, ends)) = parts {
+            if look != open {
+                out += &format!("<path {look} d=\"");
+                pen = [0; 2];
+            }
+            // The backend draws at whole pixels.
+            let ends: Vec<i32> = ends.split('"').filter_map(|text| text.parse().ok()).collect();
+            for (to, command) in ends.chunks_exact(2).zip(["m", "l"]) {
+                let [x, y] = [to[0] - pen[0], to[1] - pen[1]];
+                out += &format!("{command}{x}{}{y}", if y < 0 { "" } else { " " });
+                pen = [to[0], to[1]];
+            }
+        } else {
+            out += element;
+            out.push('\n');
+        }
+        open = look;
+    }
+    out
 }
 
 pub const MARGIN: f64 = 24.0;
@@ -201,4 +239,26 @@ fn dashes(points: &[Point], (on, off): Point) -> Vec<Vec<Point>> {
         phase = on + off - (start - length);
     }
     pieces
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn equal_lines_become_one_path() {
+        let line = |colour: &str, [a, b, c, d]: [i32; 4]| {
+            format!("<line stroke=\"{colour}\" x1=\"{a}\" y1=\"{b}\" x2=\"{c}\" y2=\"{d}\"/>\n")
+        };
+        let svg = line("red", [10, 20, 13, 18]) + &line("red", [20, 9, 20, 30]);
+        let svg = svg
+            + &line("blue", [1, 2, 3, 4])
+            + "<circle/>\n"
+            + &line("blue", [1, 2, 3, 4])
+            + "</svg>\n";
+        assert_eq!(
+            super::joined(&svg),
+            "<path stroke=\"red\" d=\"m10 20l3-2m7-9l0 21\"/>\n\
+             <path stroke=\"blue\" d=\"m1 2l2 2\"/>\n<circle/>\n\
+             <path stroke=\"blue\" d=\"m1 2l2 2\"/>\n</svg>\n"
+        );
+    }
 }
