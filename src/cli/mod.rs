@@ -24,14 +24,17 @@ pub mod your_detector;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use measuring::{compare, map, merge, report, run};
+use measuring::{compare, map, merge, report, run, site};
 pub use shared::terminal::say;
 use your_detector::{check, new_detector, runner, trace};
+
+const VERSION: &str =
+    concat!(env!("CARGO_PKG_VERSION"), " (commit ", env!("CONTACTBENCH_REVISION"), ")");
 
 /// Which contact detection algorithm suits which scene: time, memory, error
 #[derive(Parser)]
 #[command(
-    version,
+    version = VERSION,
     subcommand_value_name = "VERB",
     args_conflicts_with_subcommands = true,
     help_template = help::template(),
@@ -130,6 +133,10 @@ verbs! {
             ["map results/before --x n --y density",
              "map laptop server --x n --y density --where dim=2 -o map.svg"],
             "docs/EXPERIMENTS.md";
+        /// Makes a static site of all records in a folder
+        Site(site::Site) => site::site,
+            ["site results -o site"],
+            "docs/REPORT.md";
     }
     "Your detector" {
         /// Adds a working detector to this checkout, for you to change
@@ -163,7 +170,7 @@ verbs! {
         Ranks(satellite::Passed) => (|passed| satellite::run("contactbench-ranks", passed)),
             ["ranks packing.csv"],
             "docs/CLUSTER.md";
-        /// Prints a completion script for your shell
+        /// Prints a completion script for your shell, or writes man pages
         Completions(shell::Completions) => shell::completions,
             ["completions bash"],
             "the manual of your shell on where such a script goes";

@@ -1,9 +1,10 @@
-//! `contactbench completions`, and remedies for words that are not verbs.
+//! `contactbench completions` with man pages, and remedies for words that are not verbs.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use anyhow::Context;
 use clap::CommandFactory;
 use clap::error::{ContextKind, ContextValue};
 use clap_complete::Shell;
@@ -42,15 +43,25 @@ pub fn advice(error: &clap::Error) -> Option<String> {
 #[derive(clap::Args)]
 pub struct Completions {
     /// bash, elvish, fish, powershell or zsh
-    #[arg(value_enum, hide_possible_values = true)]
-    shell: Shell,
+    #[arg(value_enum, hide_possible_values = true, required_unless_present = "man")]
+    shell: Option<Shell>,
+    /// Write man pages to a folder instead
+    #[arg(long, value_name = "FOLDER", conflicts_with = "shell")]
+    man: Option<PathBuf>,
 }
 
 pub fn completions(options: &Completions) -> anyhow::Result<ExitCode> {
-    let mut script = Vec::new();
-    clap_complete::generate(options.shell, &mut Cli::command(), "contactbench", &mut script);
-    let script = with_files(options.shell, &String::from_utf8_lossy(&script));
-    std::io::stdout().lock().write_all(script.as_bytes())?;
+    if let Some(folder) = &options.man {
+        std::fs::create_dir_all(folder)
+            .and_then(|()| clap_mangen::generate_to(Cli::command(), folder))
+            .with_context(|| format!("cannot write man pages to {}", folder.display()))?;
+    }
+    if let Some(shell) = options.shell {
+        let mut script = Vec::new();
+        clap_complete::generate(shell, &mut Cli::command(), "contactbench", &mut script);
+        let script = with_files(shell, &String::from_utf8_lossy(&script));
+        std::io::stdout().lock().write_all(script.as_bytes())?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 

@@ -5,5 +5,7 @@ pub mod document;
 pub mod figure;
 pub mod page;
 pub mod report;
+pub mod research_object;
 pub mod sections;
+pub mod site;
 pub mod table;

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use crate::cli::measuring::report::finish;
+use crate::cli::measuring::report::{self, finish};
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::progress::Terminal;
 use crate::cli::shared::terminal;
@@ -84,7 +84,12 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let (quick, resume, against) = (*quick, *resume, against.clone());
     let asked = Asked { experiments, quick, resume, against, shard };
     // The progress bar is a temporary value, removed at the end of this statement.
-    let ended = session::run(&asked, &folder, &mut Terminal::default(), &mut |it| say!("{it}"));
+    let mut first = || match report::write_quietly(&folder) {
+        Ok(page) => format!("first figures: {}; the run goes on", page.display()),
+        Err(error) => format!("no first figures: {error:#}"),
+    };
+    let ended =
+        session::run(&asked, &folder, &mut Terminal::new(&mut first), &mut |it| say!("{it}"));
     let error = match ended {
         Ok(0) => {
             let mut out = terminal::out();
@@ -104,11 +109,8 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         if let Err(error) = finish(&folder, &Outputs::default()) {
             say!("no report: {error:#}");
         }
-        say!(
-            "interrupted: the record is in {}; continue with: {}",
-            folder.join(row::FILE).display(),
-            again(options, &folder)
-        );
+        say!("interrupted: the record is in {}; continue with:", folder.join(row::FILE).display());
+        terminal::command(&again(options, &folder));
         return Ok(ExitCode::from(interrupt::exit_code()));
     }
     let session::Stopped(error) = error.downcast()?;

@@ -35,6 +35,11 @@ pub fn say(line: &str) {
     let _ = writeln!(out, "{}", wrapped(&text::line(line), width));
 }
 
+/// Prints a command on standard error as one line, which can be copied; ignores errors.
+pub fn command(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{}", text::line(line));
+}
+
 /// Formats its arguments, and prints them as a line on standard error.
 macro_rules! say {
     ($($words:tt)*) => { $crate::cli::shared::terminal::say(&format!($($words)*)) };

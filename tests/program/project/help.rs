@@ -16,6 +16,16 @@ fn examples(verb: &clap::Command) -> Vec<String> {
 }
 
 #[test]
+fn each_verb_has_a_man_page() {
+    let at = Place::new();
+    at.good("completions --man man");
+    let verbs = Cli::command().get_subcommands().count();
+    assert_eq!(std::fs::read_dir(at.path("man")).unwrap().count(), 1 + verbs);
+    let page = at.read("man/contactbench-site.1");
+    assert!(page.contains(".SH SYNOPSIS") && page.contains("\\-\\-out"), "{page}");
+}
+
+#[test]
 fn examples_of_the_help_run() {
     let at = Place::new();
     let experiment = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = 2\n\

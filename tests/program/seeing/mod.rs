@@ -7,6 +7,7 @@ mod layout;
 mod page;
 mod pages;
 mod pictures;
+mod site;
 mod traces;
 
 use contactbench::scene::AnyScene;

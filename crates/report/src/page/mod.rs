@@ -3,11 +3,11 @@
 //! escapes texts of the record. Style and scripts are in `crates/report/assets`. A content security
 //! policy in the page forbids every request.
 
-mod answer;
+pub(crate) mod answer;
 mod cards;
 mod data;
 mod map;
-mod marks;
+pub(crate) mod marks;
 mod markup;
 pub mod origin;
 
@@ -199,10 +199,20 @@ fn outcomes(parts: &[Part<'_>]) -> String {
 }
 
 fn tables(part: &Part<'_>) -> String {
-    let reading = escape(&part.experiment.reading);
+    let reading = code(&part.experiment.reading);
     let tables = document::html(&part.tables);
     let body = format!("<p><em>How to read the figures:</em> {reading}</p>{tables}");
     details(&escape(&part.experiment.title), &body, false)
+}
+
+/// Formats a text whose words in backticks are code.
+pub(crate) fn code(text: &str) -> String {
+    let parts = text.split('`').enumerate();
+    let format = |(k, part): (usize, &str)| match k % 2 {
+        0 => escape(part),
+        _ => format!("<code>{}</code>", escape(part)),
+    };
+    parts.map(format).collect()
 }
 
 fn details(head: &str, body: &str, open: bool) -> String {

@@ -14,7 +14,7 @@ use crate::figure::style::Styles;
 use crate::sections::map::Drawn;
 use crate::sections::{self, About, DETAILS, SPEED, ratios};
 use crate::table::{self, csv};
-use crate::{csv as files, figure, page};
+use crate::{csv as files, figure, page, research_object};
 use contactbench_record::cells::{Cell, cells};
 use contactbench_record::experiment::{Experiment, Table};
 use contactbench_record::findings::claim::verdicts::Matrix;
@@ -50,6 +50,7 @@ pub struct Facts<'a> {
     /// Notes on incomplete plans and on doubtful times.
     pub alerts: Vec<Block>,
     pub wrong: Vec<String>,
+    pub culprits: Culprits,
     /// A sentence if the record has all of its plan.
     pub whole: Option<String>,
     pub warnings: Vec<String>,
@@ -89,33 +90,10 @@ pub fn write(
     rows: &[Row],
     warnings: &[String],
 ) -> anyhow::Result<Report> {
-    let (cells, mut warnings) = (cells(rows), warnings.to_vec());
-    let (styles, origin) = (Styles::new(cells.iter()), Origin::read(folder, rows));
-    let caches = hardware::caches_of(origin.provenance.as_ref());
-    let scope = Scope::new(origin.provenance.as_ref(), experiments);
-    let part = |experiment| {
-        let mut part = Part::new(experiment, &cells, &scope);
-        warnings.extend(part.draw(&folder.join("figures"), &cells, &styles, &caches));
-        part
-    };
-    let parts: Vec<Part<'_>> = experiments.iter().map(part).collect();
-    let culprits = Culprits::new(&cells.iter().collect::<Vec<_>>(), experiments);
-    let wrong: Vec<String> = culprits.all.iter().map(sections::trust::failures::culprit).collect();
-    let doubts = sections::trust::conditions::sentence(&origin.conditions);
-    let (whole, partial) =
-        sections::trust::coverage::whole_or_partial(parts.iter().map(|part| &part.coverage));
-    let alerts = partial.into_iter().chain(doubts).map(|text| Block::Warning(text.into()));
-    let facts = Facts {
-        verdicts: parts.iter().flat_map(|part| part.verdicts.clone()).collect(),
-        parts,
-        cells: &cells,
-        styles,
-        origin,
-        alerts: alerts.collect(),
-        wrong,
-        whole,
-        warnings: warnings.clone(),
-    };
+    let cells = cells(rows);
+    let mut facts = Facts::new(folder, experiments, &cells, rows, Styles::new(cells.iter()));
+    facts.warnings = warnings.to_vec();
+    facts.draw(&folder.join("figures"), usize::MAX);
     let (path, page) = (folder.join("report.md"), folder.join("report.html"));
     for (path, text) in [(&path, document::markdown(&facts.report())), (&page, page::html(&facts))]
     {
@@ -131,18 +109,70 @@ pub fn write(
         std::fs::write(&path, csv(&tables))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
-    let optional = culprits.absent.iter().map(sections::trust::failures::culprit);
+    // Written last, because it lists all other files.
+    if let Some(provenance) = &facts.origin.provenance {
+        let question = facts.parts.first().map_or("", |part| &*part.experiment.question);
+        let path = folder.join(research_object::FILE);
+        research_object::text(folder, facts.title(), question, provenance)
+            .and_then(|text| std::fs::write(&path, text))
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    let optional = facts.culprits.absent.iter().map(sections::trust::failures::culprit);
+    let mut warnings = std::mem::take(&mut facts.warnings);
     warnings.extend(optional.map(|it| format!("{it} (it is optional)")));
     let figures = facts.parts.iter().flat_map(|part| &part.figures).map(|it| it.1.clone());
     Ok(Report {
         terminal: facts.terminal(),
-        culprits: culprits.all,
+        culprits: facts.culprits.all,
         figures: figures.collect(),
         verdicts: facts.verdicts,
         path,
         page,
         warnings,
     })
+}
+
+impl<'a> Facts<'a> {
+    /// Everything but figures and the warnings of the record.
+    pub fn new(
+        folder: &Path,
+        experiments: &'a [Experiment],
+        cells: &'a [Cell],
+        rows: &[Row],
+        styles: Styles,
+    ) -> Facts<'a> {
+        let origin = Origin::read(folder, rows);
+        let scope = Scope::new(origin.provenance.as_ref(), experiments);
+        let parts: Vec<Part<'_>> =
+            experiments.iter().map(|it| Part::new(it, cells, &scope)).collect();
+        let culprits = Culprits::new(&cells.iter().collect::<Vec<_>>(), experiments);
+        let doubts = sections::trust::conditions::sentence(&origin.conditions);
+        let (whole, partial) =
+            sections::trust::coverage::whole_or_partial(parts.iter().map(|part| &part.coverage));
+        let alerts = partial.into_iter().chain(doubts).map(|text| Block::Warning(text.into()));
+        Facts {
+            verdicts: parts.iter().flat_map(|part| part.verdicts.clone()).collect(),
+            cells,
+            styles,
+            alerts: alerts.collect(),
+            wrong: culprits.all.iter().map(sections::trust::failures::culprit).collect(),
+            culprits,
+            whole,
+            warnings: Vec::new(),
+            origin,
+            parts,
+        }
+    }
+
+    /// Draws at most `most` figures of each experiment into a folder. A figure that cannot be drawn
+    /// causes a warning.
+    pub fn draw(&mut self, folder: &Path, most: usize) {
+        let caches = hardware::caches_of(self.origin.provenance.as_ref());
+        for part in &mut self.parts {
+            let failed = part.draw(folder, most, self.cells, &self.styles, &caches);
+            self.warnings.extend(failed);
+        }
+    }
 }
 
 impl Origin {
@@ -197,12 +227,15 @@ impl<'a> Part<'a> {
     fn draw(
         &mut self,
         folder: &Path,
+        most: usize,
         cells: &[Cell],
         styles: &Styles,
         caches: &[(String, u64)],
     ) -> Vec<String> {
         let (mut failed, experiment) = (Vec::new(), self.experiment);
-        for figure in &experiment.figures {
+        // An experiment that has not begun has no variables, either.
+        let begun = if of(experiment, cells).is_empty() { 0 } else { most };
+        for figure in experiment.figures.iter().take(begun) {
             let cells = of(experiment, cells);
             match (figure::About { experiment, figure, cells, styles, caches }).draw(folder) {
                 Ok(path) => self.figures.extend(path.map(|path| (figure.title.clone(), path))),

@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use super::Table;
+use super::{Cell, Table};
 use contactbench_terms::text::html as escape;
 
 impl Table {
@@ -35,7 +35,12 @@ impl Table {
             out += "<tr>";
             for (k, (cell, side)) in row.iter().zip(sides.clone()).enumerate() {
                 let lines: Vec<String> = cell.lines().iter().map(|it| escape(it)).collect();
-                let text = cell.shown(lines.join("<br>"), ["<strong>", "</strong>"]);
+                let text = match cell {
+                    Cell::Link(_, to) => {
+                        format!("<a href=\"{}\">{}</a>", escape(to), lines.join(""))
+                    }
+                    _ => cell.shown(lines.join("<br>"), ["<strong>", "</strong>"]),
+                };
                 let _ = write!(out, "<td{side}>{}{text}</td>", before(Some(j), k));
             }
             out += "</tr>\n";

@@ -41,6 +41,8 @@ pub enum Cell {
     /// Several texts, shown one below the other where the format can.
     Lines(Vec<String>),
     Strong(Box<Cell>),
+    /// A text and its address; only HTML has the address.
+    Link(String, String),
 }
 
 /// A table that is made column by column: each head comes with the function that fills its cells.
@@ -143,7 +145,7 @@ impl std::fmt::Display for Cell {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Cell::Absent => f.write_str("–"),
-            Cell::Text(text) => f.write_str(text),
+            Cell::Text(text) | Cell::Link(text, _) => f.write_str(text),
             Cell::Count(count) => write!(f, "{count}"),
             Cell::Number(value) => f.write_str(&number(*value)),
             Cell::Share(share) => f.write_str(&percent(*share)),

@@ -108,7 +108,7 @@ pub fn run(
     interrupt::install().context("cannot listen to Ctrl-C")?;
     write_origin(asked, folder, &label, base)?;
     let (too_slow, noted) = (TooSlow::new(&done.rows), BTreeSet::new());
-    let log = Log { record, origins, progress, too_slow, noted, span: None };
+    let log = Log { record, origins, progress, too_slow, noted, span: None, latest: Vec::new() };
     measure(&job, &scenes, &done.rows, temporary.path(), log).map_err(|error| {
         let of_disk = |cause: &(dyn std::error::Error + 'static)| cause.is::<std::io::Error>();
         match error.is::<WriteError>() || error.chain().any(of_disk) {

@@ -25,7 +25,9 @@ use contactbench_core::scene::SceneError;
 use contactbench_core::sink::splitmix64;
 use contactbench_io::Given;
 use contactbench_io::Place;
+use contactbench_record::cells::cells;
 use contactbench_record::experiment::{Experiment, FEWEST_BLOCKS};
+use contactbench_record::findings::winners::winners;
 use contactbench_record::record::folder::done::{Index, TooSlow};
 use contactbench_record::record::id::CellId;
 use contactbench_record::record::row::{Outcome, Pass, Row, Writer};
@@ -35,8 +37,45 @@ use contactbench_scenes::spec::Spec;
 use contactbench_scenes::stats;
 use contactbench_scenes::stats::Stats;
 
+/// The fastest detector of a scene, and the runner-up.
+pub struct Found {
+    pub scene: String,
+    pub fastest: String,
+    /// Median time of the fastest, in nanoseconds per particle.
+    pub per_particle: f64,
+    pub second: Option<String>,
+    /// Time of the runner-up over that of the fastest.
+    pub ratio: Option<f64>,
+    /// Contacts of the scene, each compared with the exact truth.
+    pub contacts: Option<u64>,
+    /// Number of subjects with a right answer in the arithmetic of the fastest.
+    pub right: usize,
+}
+
+impl Found {
+    /// Returns `None` if nothing was timed.
+    fn new(scene: String, rows: &[Row]) -> Option<Found> {
+        let cells = cells(rows);
+        let contest = winners(&cells.iter().collect::<Vec<_>>()).contests.into_iter().next()?;
+        let second = contest.others.first();
+        Some(Found {
+            scene,
+            ratio: second.and_then(|second| Some(second.ratio?.median)),
+            second: second.map(|second| second.name.clone()),
+            fastest: contest.first.name,
+            per_particle: contest.first.per_particle,
+            contacts: rows
+                .iter()
+                .find_map(|row| row.contacts.filter(|_| row.outcome == Outcome::Ok)),
+            right: 1 + contest.others.len(),
+        })
+    }
+}
+
 pub trait Progress {
     fn scene(&mut self, done: usize, total: usize, next: &str);
+    /// Gets the answer for the scene that has just ended.
+    fn found(&mut self, found: &Found);
     fn note(&mut self, text: &str);
 }
 
@@ -57,10 +96,13 @@ pub(crate) struct Log<'a> {
     pub too_slow: TooSlow,
     pub noted: BTreeSet<String>,
     pub span: Option<String>,
+    /// The rows of this run on the present scene.
+    pub latest: Vec<Row>,
 }
 
 impl Stage<'_, '_> {
     pub fn run(&mut self) -> anyhow::Result<()> {
+        self.log.latest.clear();
         let blocks = self.experiment.all_blocks(self.job.quick);
         let subjects = subjects(self.experiment, &self.job.program, self.job.against.as_deref());
         let given = match self.spec.given() {
@@ -82,6 +124,9 @@ impl Stage<'_, '_> {
         let running = self.enter_all(subjects, &given, moved, &mut bench)?;
         self.blocks(running, blocks, &mut bench)?;
         bench.remove();
+        if let Some(found) = Found::new(describe(self.experiment, self.spec), &self.log.latest) {
+            self.log.progress.found(&found);
+        }
         Ok(())
     }
 
@@ -256,7 +301,10 @@ impl Stage<'_, '_> {
     pub fn write(&mut self, row: &Row) -> anyhow::Result<()> {
         interrupt::check()?;
         let id = CellId { machine: Some(self.job.machine.clone()), ..row.id.clone() };
-        Ok(self.log.record.write(&Row { id, span: self.log.span.clone(), ..row.clone() })?)
+        let row = Row { id, span: self.log.span.clone(), ..row.clone() };
+        self.log.record.write(&row)?;
+        self.log.latest.push(row);
+        Ok(())
     }
 
     pub fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {

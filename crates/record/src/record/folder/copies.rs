@@ -14,7 +14,8 @@ use crate::record::origin::provenance;
 /// The field of a provenance with the SHA-256 of each copy, by name.
 pub const FIELD: &str = "experiments_sha256";
 
-fn sha256(text: &[u8]) -> String {
+/// Returns the SHA-256 in hexadecimal digits.
+pub fn sha256(text: &[u8]) -> String {
     Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

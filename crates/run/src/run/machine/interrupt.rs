@@ -42,8 +42,7 @@ pub fn install() -> std::io::Result<()> {
                 }
                 clear_line();
                 eprintln!(
-                    "ending after the step at hand; the record keeps what was measured (again: \
-                     end at once)"
+                    "ending after this step; the record keeps what was measured (again: at once)"
                 );
             }
         })?;

@@ -1,0 +1,147 @@
+//! `ro-crate-metadata.json`: describes a result folder to archives, as a Process Run Crate 0.5
+//! (<https://w3id.org/ro/wfrun/process/0.5>), from the provenance of the run.
+
+use std::path::{Path, PathBuf};
+
+use contactbench_record::record::folder::copies::sha256;
+use serde_json::{Value, json};
+
+pub const FILE: &str = "ro-crate-metadata.json";
+
+const PROFILE: &str = "https://w3id.org/ro/wfrun/process/0.5";
+const LICENCES: [(&str, &str); 2] = [
+    ("https://spdx.org/licenses/MIT.html", "MIT License"),
+    ("https://spdx.org/licenses/Apache-2.0.html", "Apache License 2.0"),
+];
+
+/// Returns the files in a folder and its folders, sorted, as paths below it, without hidden ones.
+fn files(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut open = vec![PathBuf::new()];
+    while let Some(below) = open.pop() {
+        for entry in std::fs::read_dir(folder.join(&below)).into_iter().flatten().flatten() {
+            let path = below.join(entry.file_name());
+            if entry.file_name().to_string_lossy().starts_with('.') {
+                continue;
+            }
+            match entry.file_type() {
+                Ok(kind) if kind.is_dir() => open.push(path),
+                Ok(kind) if kind.is_file() => found.push(path.to_string_lossy().replace('\\', "/")),
+                _ => {}
+            }
+        }
+    }
+    found.retain(|path| path != FILE);
+    found.sort();
+    found
+}
+
+fn kind(path: &str) -> &'static str {
+    match path.rsplit('.').next().unwrap_or_default() {
+        "csv" => "text/csv",
+        "gz" => "application/gzip",
+        "html" => "text/html",
+        "json" => "application/json",
+        "jsonl" => "application/jsonl",
+        "md" => "text/markdown",
+        "svg" => "image/svg+xml",
+        _ => "text/plain",
+    }
+}
+
+/// Encodes a path as a part of an address.
+fn id(path: &str) -> String {
+    let plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"/-._~".contains(byte);
+    let encoded = |byte: u8| match plain(&byte) {
+        true => char::from(byte).to_string(),
+        false => format!("%{byte:02X}"),
+    };
+    path.bytes().map(encoded).collect()
+}
+
+fn file(folder: &Path, path: &str) -> std::io::Result<Value> {
+    let bytes = std::fs::read(folder.join(path))?;
+    Ok(json!({
+        "@id": id(path),
+        "@type": "File",
+        "name": path,
+        "encodingFormat": kind(path),
+        "contentSize": bytes.len().to_string(),
+        "sha256": sha256(&bytes),
+    }))
+}
+
+/// Returns the text of the file for a folder with this title, question and provenance.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn text(
+    folder: &Path,
+    title: &str,
+    question: &str,
+    provenance: &Value,
+) -> std::io::Result<String> {
+    let field = |name: &str| provenance.get(name).and_then(Value::as_str).unwrap_or_default();
+    // The date is written as 2026-11-27T09-31-08.
+    let (day, time) = field("date_utc").split_once('T').unwrap_or((field("date_utc"), "00-00-00"));
+    let began = format!("{day}T{}+00:00", time.replace('-', ":"));
+    let files = files(folder);
+    let ids = |wanted: &dyn Fn(&str) -> bool| -> Vec<Value> {
+        files.iter().filter(|path| wanted(path)).map(|path| json!({ "@id": id(path) })).collect()
+    };
+    let input = |path: &str| path.starts_with("experiments/");
+    let mut graph = vec![
+        json!({
+            "@id": FILE,
+            "@type": "CreativeWork",
+            "about": { "@id": "./" },
+            "conformsTo": { "@id": "https://w3id.org/ro/crate/1.1" },
+        }),
+        json!({
+            "@id": "./",
+            "@type": "Dataset",
+            "name": title,
+            "description": question,
+            "datePublished": day,
+            "license": LICENCES.map(|(id, _)| json!({ "@id": id })),
+            "conformsTo": { "@id": PROFILE },
+            "hasPart": ids(&|_| true),
+            "mentions": { "@id": "#run" },
+        }),
+        json!({
+            "@id": PROFILE,
+            "@type": "CreativeWork",
+            "name": "Process Run Crate",
+            "version": "0.5",
+        }),
+        json!({ "@id": "#authors", "@type": "Organization", "name": "The contactbench founders" }),
+        json!({
+            "@id": "#program",
+            "@type": "SoftwareApplication",
+            "name": "contactbench",
+            "version": format!("{} ({})", field("contactbench"), field("revision")),
+            "operatingSystem": field("os"),
+            "processorRequirements": field("cpu"),
+            "author": { "@id": "#authors" },
+        }),
+        json!({
+            "@id": "#run",
+            "@type": "CreateAction",
+            "name": field("command"),
+            "description": question,
+            "instrument": { "@id": "#program" },
+            "startTime": began,
+            "object": ids(&input),
+            "result": ids(&|path| !input(path)),
+        }),
+    ];
+    let licence = |(id, name)| json!({ "@id": id, "@type": "CreativeWork", "name": name });
+    graph.extend(LICENCES.map(licence));
+    for path in &files {
+        graph.push(file(folder, path)?);
+    }
+    let context =
+        ["https://w3id.org/ro/crate/1.1/context", "https://w3id.org/ro/terms/workflow-run/context"];
+    let all = json!({ "@context": context, "@graph": graph });
+    Ok(serde_json::to_string_pretty(&all)? + "\n")
+}

@@ -1,0 +1,75 @@
+//! `contactbench site` makes one static site of all records in a folder.
+
+use std::fs::DirEntry;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, ensure};
+
+use crate::cli::measuring::report;
+use crate::cli::shared::terminal;
+use contactbench_core::detect::peers::PEERS;
+use contactbench_core::detect::table;
+use contactbench_record::record::origin::provenance;
+use contactbench_record::record::row;
+use contactbench_report::site::{self, About, Given};
+use contactbench_terms::number::plural;
+
+#[derive(clap::Args)]
+pub struct Site {
+    /// Folder that contains records, at any depth
+    folder: PathBuf,
+    /// Folder to make; must be empty or missing
+    #[arg(short, long, value_name = "FOLDER")]
+    out: PathBuf,
+}
+
+pub fn site(options: &Site) -> anyhow::Result<ExitCode> {
+    let Site { folder, out } = options;
+    let holds = std::fs::read_dir(out).is_ok_and(|mut entries| entries.next().is_some());
+    ensure!(!holds, "{} is not empty; choose another folder with --out", out.display());
+    let mut given = Vec::new();
+    find(folder, folder, &mut given)?;
+    ensure!(
+        !given.is_empty(),
+        "found no record in {} or its folders; a record is a folder with the file {}",
+        folder.display(),
+        row::FILE
+    );
+    let today = provenance::date();
+    let (pages, notes) = site::write(out, &given, today.get(..10).unwrap_or_default(), &about)?;
+    for note in notes {
+        say!("{note}");
+    }
+    let (pages, records) = (plural(pages.len(), "page"), plural(given.len(), "record"));
+    let index = out.join("index.html");
+    writeln!(terminal::out(), "{pages} of {records}: {}", index.display())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Reads the records in `folder` and below, sorted by path.
+fn find(root: &Path, folder: &Path, found: &mut Vec<Given>) -> anyhow::Result<()> {
+    if row::exists(&folder.join(row::FILE)) {
+        let (record, experiments) = report::read(folder)?;
+        let name = folder.strip_prefix(root).unwrap_or(folder).display().to_string();
+        let (name, folder) = (if name.is_empty() { "record".into() } else { name }, folder.into());
+        found.push(Given { name, folder, experiments, rows: record.rows });
+        return Ok(());
+    }
+    let entries = std::fs::read_dir(folder)
+        .with_context(|| format!("cannot read the folder {}", folder.display()))?;
+    // A link to a folder could lead back to it.
+    let is_folder = |entry: &DirEntry| entry.file_type().is_ok_and(|kind| kind.is_dir());
+    let mut folders: Vec<PathBuf> =
+        entries.flatten().filter(is_folder).map(|entry| entry.path()).collect();
+    folders.sort();
+    folders.iter().try_for_each(|folder| find(root, folder, found))
+}
+
+fn about(name: &str) -> Option<About> {
+    let peer = PEERS.iter().find(|peer| peer.name == name);
+    let peer = peer.map(|peer| About { summary: peer.summary.into(), ours: false });
+    let ours = table::find(name).filter(|entry| entry.is_ours());
+    ours.map(|entry| About { summary: entry.summary.into(), ours: true }).or(peer)
+}

@@ -1,0 +1,106 @@
+//! Tests `contactbench site`: its pages link only to each other, and the table keeps its filters in
+//! the address.
+
+use std::path::{Path, PathBuf};
+
+use contactbench::record::origin::provenance;
+use serde_json::Value;
+
+use super::browser::Browser;
+use super::page;
+use crate::common::Place;
+
+/// Returns the folder of a site of one made-up record.
+fn site(at: &Place) -> PathBuf {
+    page::report(at);
+    at.good("site . -o site");
+    at.path("site")
+}
+
+fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if entry.is_dir() {
+            pages(&entry, found);
+        } else if entry.extension().is_some_and(|ending| ending == "html") {
+            found.push(entry);
+        }
+    }
+}
+
+#[test]
+fn pages_link_only_to_files_of_the_site() {
+    let (at, mut all) = (Place::new(), Vec::new());
+    pages(&site(&at), &mut all);
+    // The front page, the table, the record, and a page for each of three detectors.
+    assert_eq!(all.len(), 6, "{all:?}");
+    let mut links = 0;
+    for path in &all {
+        let html = std::fs::read_to_string(path).unwrap();
+        assert!(!html.contains("<img src=x") && !html.contains("{{"), "{}", path.display());
+        for (link, _) in ["href=\"", "src=\""]
+            .iter()
+            .flat_map(|name| html.split(name).skip(1))
+            .filter_map(|rest| rest.split_once('"'))
+            .filter(|(link, _)| !link.starts_with(['#', 'd']) || link.starts_with("detectors/"))
+        {
+            assert!(path.parent().unwrap().join(link).exists(), "{}: {link}", path.display());
+            links += 1;
+        }
+    }
+    assert!(links > 20, "{links}");
+    at.ends(2, "site . -o site", &["is not empty; choose another folder with --out"]);
+    at.ends(2, "site experiments -o other", &["found no record"]);
+}
+
+#[test]
+fn each_record_has_its_page_and_what_is_old_is_grey() {
+    let at = Place::new();
+    page::report(&at);
+    let fields: Value = serde_json::from_str(&at.read("provenance.json")).unwrap();
+    // Two names differ only in a sign, and a link leads back.
+    let made =
+        [("a/b", "2026-11-02", "new"), ("a-b", "2026-11-01", "old"), ("c", "2026-06-01", "new")];
+    for (name, day, revision) in made {
+        at.shell(&format!("mkdir -p all/{name}; cp -r samples.jsonl experiments all/{name}"));
+        let mut fields = fields.clone();
+        (fields["date_utc"], fields["revision"]) =
+            (format!("{day}T01-00-00").into(), revision.into());
+        at.file(&format!("all/{name}/provenance.json"), provenance::text(&fields).unwrap());
+    }
+    at.shell("ln -s .. all/a/up");
+    at.good("site all -o site");
+    let mut found = Vec::new();
+    pages(&at.path("site/records"), &mut found);
+    assert_eq!(found.len(), made.len(), "{found:?}");
+    let field = at.read("site/field.html");
+    let grey =
+        |day: &str| [format!(">{day}<"), format!(">{day} (old)<")].map(|it| field.contains(&it));
+    // The library of the second record has a version of its own, so only our detectors are grey.
+    assert_eq!(made.map(|it| grey(it.1)), [[true, false], [true, true], [false, true]]);
+    assert_eq!(field.matches("class=\"old\"").count(), 32 + 48);
+}
+
+#[test]
+fn the_table_of_a_site_sorts_and_filters_by_its_address() {
+    let Some(browser) = Browser::open(1200, 900) else { return };
+    let at = Place::new();
+    browser.show(&site(&at).join("field.html"));
+    let rows = || {
+        browser.get::<Vec<Vec<String>>>(
+            "return [...document.querySelectorAll('table.field tbody tr')].map((row) => \
+         [...row.cells].map((cell) => cell.textContent))",
+        )
+    };
+    let all = rows();
+    // Three detectors in two arithmetics, in three scenes of 3, 3 and 2 sizes.
+    assert_eq!(all.len(), 48);
+    browser.choose("#only-detector", "nbs");
+    let nbs = rows();
+    assert!(nbs.len() == 16 && nbs.iter().all(|row| row[1] == "nbs"), "{nbs:?}");
+    assert_eq!(browser.get::<String>("return location.hash"), "#detector=nbs");
+    browser.click("table.field th:nth-child(6) button");
+    let times: Vec<f64> = rows().iter().map(|row| row[5].parse().unwrap()).collect();
+    assert!(times.is_sorted(), "{times:?}");
+    browser.run("location.reload()");
+    assert_eq!(rows().len(), 16);
+}
