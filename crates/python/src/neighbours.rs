@@ -103,8 +103,8 @@ impl Table {
     /// Orders each row by j and shift.
     fn sort(&mut self) {
         let mut row = Vec::new();
-        for &[from, to] in self.offsets.array_windows() {
-            let range = from as usize..to as usize;
+        for ends in self.offsets.windows(2) {
+            let range = ends[0] as usize..ends[1] as usize;
             row.clear();
             row.extend(range.clone().map(|k| (self.j[k], self.shift(k))));
             row.sort_unstable();
@@ -125,8 +125,8 @@ impl Table {
     fn i(&self) -> Result<Vec<i64>, Refusal> {
         let mut all = Vec::new();
         reserve(&mut all, self.j.len())?;
-        for (i, &[from, to]) in self.offsets.array_windows().enumerate() {
-            all.extend(std::iter::repeat_n(i as i64, (to - from) as usize));
+        for (i, ends) in self.offsets.windows(2).enumerate() {
+            all.extend(std::iter::repeat_n(i as i64, (ends[1] - ends[0]) as usize));
         }
         Ok(all)
     }

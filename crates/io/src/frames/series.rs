@@ -238,7 +238,7 @@ fn of_json(reader: impl Read, folder: &Path) -> anyhow::Result<Vec<Member>> {
 }
 
 fn in_order(members: &[Member]) -> anyhow::Result<()> {
-    for [before, after] in members.array_windows() {
+    for (before, after) in members.iter().zip(members.iter().skip(1)) {
         let (Some(a), Some(b)) = (before.time, after.time) else { continue };
         let file = after.files[0].display();
         ensure!(a < b, "{file}: the time {b} stands behind {a}; sort the list by time");

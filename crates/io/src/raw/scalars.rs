@@ -143,7 +143,7 @@ impl Ids {
         let differ = |values: &[i64]| {
             let mut seen = values.to_vec();
             seen.sort_unstable();
-            seen.array_windows().all(|[a, b]| a != b)
+            seen.windows(2).all(|two| two[0] != two[1])
         };
         all.sort_by_key(|ids| !ids.sure);
         all.into_iter()

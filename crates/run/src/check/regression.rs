@@ -8,13 +8,18 @@ use crate::check::numbers::Numbers;
 use contactbench_core::scene::AnyScene;
 use contactbench_io::write::{self, SceneFormat};
 
-pub const KEPT: [(&str, &str); 5] = [
-    ("far-apart.csv", include_str!("../../../../tests/regressions/far-apart.csv")),
-    ("subnormal.csv", include_str!("../../../../tests/regressions/subnormal.csv")),
-    ("tangent-3-4-5.csv", include_str!("../../../../tests/regressions/tangent-3-4-5.csv")),
-    ("three-discs.csv", include_str!("../../../../tests/regressions/three-discs.csv")),
-    ("twice-around.xyz", include_str!("../../../../tests/regressions/twice-around.xyz")),
-];
+macro_rules! kept {
+    ($($name:literal)*) => {
+        [$((
+            $name,
+            include_str!(concat!(env!("CONTACTBENCH_ROOT"), "/tests/regressions/", $name)),
+        )),*]
+    };
+}
+
+pub const KEPT: [(&str, &str); 5] = kept! {
+    "far-apart.csv" "subnormal.csv" "tangent-3-4-5.csv" "three-discs.csv" "twice-around.xyz"
+};
 
 /// Returns a scene as CSV with a header; the numbers read back to the same bits.
 pub fn as_csv(scene: &AnyScene<'_>) -> String {

@@ -12,7 +12,10 @@ use contactbench_terms::nearest::hint;
 
 macro_rules! files {
     ($($name:literal)*) => {
-        &[$(($name, include_str!(concat!("../../../../experiments/", $name, ".toml")))),*]
+        &[$((
+            $name,
+            include_str!(concat!(env!("CONTACTBENCH_ROOT"), "/experiments/", $name, ".toml")),
+        )),*]
     };
 }
 

@@ -22,7 +22,11 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     let mut parts = Vec::new();
     // Ratios come before times, because they vary less between runs.
     if let Some((k, ratio)) = &verdict.next {
-        let next = if verdict.tied.is_empty() { "the runner-up" } else { "the next slower one" };
+        let next = if verdict.tied.is_empty() {
+            "the runner-up"
+        } else {
+            "the next that is decidedly slower"
+        };
         let takes = with_interval(ratio);
         parts.push(format!("{next}, {}, takes {takes} times as long", name(*k)));
     }

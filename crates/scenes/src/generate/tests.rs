@@ -100,8 +100,8 @@ fn orders_are_permutations_and_morton_is_local() {
     orders("clustered:n=1000");
     let [shuffled, morton] = orders("packed:n=1000,lattice=square,jitter=0,spacing=1");
     let path = |points: &[[f64; 2]]| -> f64 {
-        let step = |[a, b]: &[[f64; 2]; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-        points.array_windows().map(step).sum::<f64>() / 999.0
+        let step = |ends: &[[f64; 2]]| (ends[0][0] - ends[1][0]).hypot(ends[0][1] - ends[1][1]);
+        points.windows(2).map(step).sum::<f64>() / 999.0
     };
     let paths = [path(&morton), path(&shuffled)];
     assert!(paths[0] < 2.0 && paths[1] > 10.0, "{paths:?}");
