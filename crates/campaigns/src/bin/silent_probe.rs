@@ -6,6 +6,8 @@
 //! it subtracts that of the same program without direct checking. It fails if they differ by more
 //! than 1%. A run with [`Tally`] shows that the comparison can fail. Without valgrind nothing is
 //! compared.
+//!
+//! Then it prints the instructions per particle of every detector.
 
 use std::hint::black_box;
 use std::process::{Command, ExitCode};
@@ -13,6 +15,7 @@ use std::process::{Command, ExitCode};
 use contactbench_core::contact::Test;
 use contactbench_core::detect::any::run;
 use contactbench_core::detect::book::direct::Direct;
+use contactbench_core::detect::table::{self, Role, TABLE};
 use contactbench_core::detect::{Declare, Options};
 use contactbench_core::probe::{Silent, Tally};
 use contactbench_core::scene::{AnyScene, Radii, Scene, Stored, array};
@@ -35,11 +38,14 @@ fn twin(scene: &Scene<'_, f64, 3>, pairs: &mut Vec<[u32; 2]>) {
     }
 }
 
+/// Number of spheres.
+const N: usize = 2_000;
+
 fn work(what: &str) -> usize {
-    let scene = Spec::parse("packed:dim=3,n=2000")
+    let any = Spec::parse(&format!("packed:dim=3,n={N}"))
         .and_then(|spec| spec.make())
         .expect("the scene is a constant of this bench");
-    let AnyScene::Space(Stored::F64(scene)) = &scene else { return 0 };
+    let AnyScene::Space(Stored::F64(scene)) = &any else { return 0 };
     let mut pairs = Vec::with_capacity(20_000);
     let mut direct = Direct::with(Options::default());
     match what {
@@ -52,7 +58,12 @@ fn work(what: &str) -> usize {
                 .expect("direct refuses nothing here");
             black_box(tally);
         }
-        _ => {}
+        "nothing" => {}
+        name => table::parse(name)
+            .expect("a name from the table")
+            .make(Options::default())
+            .list(&any, Test::Rounded, &mut pairs)
+            .expect("every detector accepts 2,000 spheres"),
     }
     black_box(pairs).len()
 }
@@ -90,5 +101,9 @@ fn main() -> ExitCode {
         "silent_probe: instructions of direct checking against a hand-written twin: silent \
          {silent:.5}, tally {tally:.5}"
     );
+    for entry in TABLE.iter().filter(|entry| entry.role == Role::Detector) {
+        let count = instructions(entry.name).map_or(0.0, |count| (count - nothing) / N as f64);
+        println!("instructions {} {count:.0}", entry.name);
+    }
     if (silent - 1.0).abs() <= 0.01 && tally > 1.01 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
