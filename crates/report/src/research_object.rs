@@ -15,11 +15,12 @@ const LICENCES: [(&str, &str); 2] = [
 ];
 
 /// Returns the files in a folder and its folders, sorted, as paths below it, without hidden ones.
-fn files(folder: &Path) -> Vec<String> {
+fn files(folder: &Path) -> std::io::Result<Vec<String>> {
     let mut found = Vec::new();
     let mut open = vec![PathBuf::new()];
     while let Some(below) = open.pop() {
-        for entry in std::fs::read_dir(folder.join(&below)).into_iter().flatten().flatten() {
+        for entry in std::fs::read_dir(folder.join(&below))? {
+            let entry = entry?;
             let path = below.join(entry.file_name());
             if entry.file_name().to_string_lossy().starts_with('.') {
                 continue;
@@ -33,7 +34,7 @@ fn files(folder: &Path) -> Vec<String> {
     }
     found.retain(|path| path != FILE);
     found.sort();
-    found
+    Ok(found)
 }
 
 fn kind(path: &str) -> &'static str {
@@ -74,7 +75,7 @@ fn file(folder: &Path, path: &str) -> std::io::Result<Value> {
 /// Returns the text of the file for a folder with this title, question and provenance.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// A file or folder that cannot be read.
 pub fn text(
     folder: &Path,
     title: &str,
@@ -85,7 +86,7 @@ pub fn text(
     // The date is written as 2026-11-27T09-31-08.
     let (day, time) = field("date_utc").split_once('T').unwrap_or((field("date_utc"), "00-00-00"));
     let began = format!("{day}T{}+00:00", time.replace('-', ":"));
-    let files = files(folder);
+    let files = files(folder)?;
     let ids = |wanted: &dyn Fn(&str) -> bool| -> Vec<Value> {
         files.iter().filter(|path| wanted(path)).map(|path| json!({ "@id": id(path) })).collect()
     };

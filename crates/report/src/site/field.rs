@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{About, Record, stem};
-use crate::table::{Cell as Entry, Table};
+use crate::table::{Cell as Entry, Rows, Table};
 use contactbench_record::cells::{Cell, ids, label};
 use contactbench_record::record::column::Column;
 use contactbench_record::record::folder::ledger::Ledger;
@@ -66,7 +66,7 @@ impl Line<'_> {
         self.cell.id.without(&["experiment", "machine"])
     }
 
-    /// Returns what must be the same for every program that does the same.
+    /// Returns operations and bytes, which two programs share if they compute in the same way.
     fn counted(&self) -> [Option<u64>; 2] {
         let bytes = self.cell.variable("peak_bytes", None);
         [Some(self.operations()), bytes].map(|value| value.map(|value| value as u64))
@@ -135,18 +135,23 @@ fn versions(record: &Record<'_>) -> BTreeMap<CellId, String> {
     ids(record.rows).filter_map(|(id, row)| Some((id, version(&row.process)?))).collect()
 }
 
-pub fn table(lines: &[Line<'_>]) -> Table {
-    let page = |line: &Line<'_>| format!("detectors/{}.html", stem(line.detector()));
-    Table::of("", lines)
-        .left("scene", |it| &*it.scene)
-        .left("detector", |it| Entry::Link(it.cell.id.subject(), page(it)))
-        .left("kind", |it| if it.ours { "ours" } else { "library" })
-        .left("answer", |it| it.answer())
+/// Adds the columns that all tables of measurements share.
+fn measured<'a>(rows: Rows<&'a Line<'a>>) -> Rows<&'a Line<'a>> {
+    rows.left("answer", |it| it.answer())
         .right("wrong pairs", |it| it.wrong())
         .unit("time / N", "ns", |it| it.time())
         .unit("time / pair", "ns", |it| it.cell.per_pair(it.cell.time()?.median))
         .unit("memory / N", "bytes", |it| it.per("peak_bytes"))
         .right("threads", |it| it.cell.id.threads())
+}
+
+pub fn table<'a>(lines: &'a [Line<'a>]) -> Table {
+    let page = |line: &Line<'_>| format!("detectors/{}.html", stem(line.detector()));
+    let rows = Table::of("", lines)
+        .left("scene", |it| &*it.scene)
+        .left("detector", |it| Entry::Link(it.cell.id.subject(), page(it)))
+        .left("kind", |it| if it.ours { "ours" } else { "library" });
+    measured(rows)
         .left("arithmetic", |it| &*it.cell.id.arithmetic)
         .left("machine", |it| &*it.record.cpu)
         .left("version", |it| &*it.version)
@@ -155,18 +160,11 @@ pub fn table(lines: &[Line<'_>]) -> Table {
 }
 
 /// Returns the table of the lines of one detector in one record.
-pub fn own(lines: &[Line<'_>]) -> Table {
-    Table::of("", lines)
+pub fn own<'a>(lines: &'a [Line<'a>]) -> Table {
+    let rows = Table::of("", lines)
         .left("scene", |it| &*it.scene)
-        .left("settings", |it| it.cell.id.subject())
-        .left("answer", |it| it.answer())
-        .right("wrong pairs", |it| it.wrong())
-        .unit("time / N", "ns", |it| it.time())
-        .unit("time / pair", "ns", |it| it.cell.per_pair(it.cell.time()?.median))
-        .unit("memory / N", "bytes", |it| it.per("peak_bytes"))
-        .right("threads", |it| it.cell.id.threads())
-        .left("version", |it| &*it.version)
-        .into()
+        .left("settings", |it| it.cell.id.subject());
+    measured(rows).left("version", |it| &*it.version).into()
 }
 
 /// Returns markup for the first cell of each grey row; a style greys rows that have it.
