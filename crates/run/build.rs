@@ -1,5 +1,5 @@
-//! States where the files lie that are compiled in: beside the sources, as in a package of this
-//! crate, or, where Git makes no links, at the root of the repository.
+//! Finds the files that are compiled in. They lie beside the sources or, if Git makes no links, at
+//! the root of the repository.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
