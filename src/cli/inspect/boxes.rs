@@ -2,8 +2,8 @@
 
 use serde_json::json;
 
-use crate::cli::inspect::Report;
 use crate::cli::shared::input::Input;
+use crate::cli::shared::output::Output;
 use contactbench_core::periodic::Periodic;
 use contactbench_core::scene::Real;
 use contactbench_core::with_scene;
@@ -12,7 +12,7 @@ use contactbench_io::{About, Particles};
 use contactbench_terms::number::{number, plural};
 
 /// Prints the box in the file, and the box that is used.
-pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &mut Report) {
+pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &mut Output) {
     let declared = about.declared.as_ref();
     let vectors = declared.and_then(|declared| declared.vectors);
     if let Some(bounds) = declared.and_then(|declared| declared.ranges.as_ref()) {
@@ -33,7 +33,7 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &
             }
             _ => "open: there is no box in the file",
         };
-        out.line("boundaries", why.into(), json!({ "periodic": vec![false; dim] }));
+        out.line("boundaries", why, json!({ "periodic": vec![false; dim] }));
         return;
     };
     let axes = lattice.periodic();
@@ -79,7 +79,7 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &
 
 /// Prints the distances between the faces of the box, and the reach of contacts. Warns of a box so
 /// small that a particle touches several images of another.
-pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Report) {
+pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Output) {
     let (scene, lattice) = (periodic.scene(), periodic.lattice());
     let reach = 2.0 * with_scene!(scene, scene => scene.largest_radius().wide());
     let axes = (0..3).filter(|&k| lattice.periodic()[k]);
@@ -103,10 +103,10 @@ pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Report) {
         axes.map(|(axis, _)| *axis).collect::<Vec<_>>().join(", ")
     };
     match (narrow(1.0), narrow(2.0)) {
-        (own, _) if !own.is_empty() => out.warnings.push(format!(
+        (own, _) if !own.is_empty() => out.warn(format!(
             "the box is so small along {own} that a particle may touch its own image"
         )),
-        (_, several) if !several.is_empty() => out.warnings.push(format!(
+        (_, several) if !several.is_empty() => out.warn(format!(
             "the box is so small along {several} that two particles may touch through several \
              images; codes that test only the nearest image miss some"
         )),

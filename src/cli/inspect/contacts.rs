@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use serde_json::json;
 
-use crate::cli::inspect::Report;
+use crate::cli::shared::output::Output;
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::crowd::Crowd;
 use contactbench_core::detect::{Options, table};
@@ -79,7 +79,7 @@ pub(super) fn report(
     periodic: &Periodic<'_>,
     source: &RadiusSource,
     contacts: &Contacts,
-    out: &mut Report,
+    out: &mut Output,
 ) {
     let scene = periodic.scene();
     let n = scene.len();
@@ -89,14 +89,14 @@ pub(super) fn report(
     let mean = radii(periodic, out);
     let touching = match contacts {
         Contacts::Refused(reason) => {
-            out.warnings.push(format!("contacts were not searched: {reason}"));
+            out.warn(format!("contacts were not searched: {reason}"));
             None
         }
         Contacts::Counted(count) => {
             let each = 2.0 * *count as f64 / n as f64;
             let text = format!("{count} (exact), {} per particle", number(each));
             out.line("contacts", text, json!({ "contacts": count, "coordination": each }));
-            out.warnings.push(format!(
+            out.warn(format!(
                 "overlaps, near tangent pairs and the errors of f32 were not examined: {count} \
                  contacts of {IMAGE_PAIR_BYTES} bytes exceed the {} MiB that inspect keeps for {}; \
                  contactbench detect --with overlap --memory-limit SIZE lists overlaps",
@@ -118,14 +118,14 @@ pub(super) fn report(
     let doubts = doubts(scene, source, Arithmetic::F32, touching.as_ref());
     // `of_centres` has already warned of coincident centres.
     let doubts = doubts.iter().filter(|notice| !matches!(notice, Notice::Coincident(..)));
-    out.warnings.extend(doubts.map(|notice| notice.words(Place::Argument)));
+    doubts.for_each(|notice| out.warn(notice.words(Place::Argument)));
     if !matches!(contacts, Contacts::Refused(_)) {
         offset(periodic, mean, contacts, out);
     }
 }
 
 /// Prints the range and the mean of the radii; returns the mean.
-fn radii(periodic: &Periodic<'_>, out: &mut Report) -> f64 {
+fn radii(periodic: &Periodic<'_>, out: &mut Output) -> f64 {
     let scene = periodic.scene();
     let radius = |k: usize| with_scene!(scene, scene => scene.radius(k).wide());
     let (mut least, mut most, mut mean) = (f64::INFINITY, 0.0f64, 0.0);
@@ -144,7 +144,7 @@ fn radii(periodic: &Periodic<'_>, out: &mut Report) -> f64 {
 
 /// Prints the contacts that were found: `near` of them are near tangent, and `overlap` is the sum
 /// of their overlaps.
-fn found(periodic: &Periodic<'_>, pairs: &[ImagePair], near: u64, overlap: f64, out: &mut Report) {
+fn found(periodic: &Periodic<'_>, pairs: &[ImagePair], near: u64, overlap: f64, out: &mut Output) {
     let count = pairs.len();
     let each = 2.0 * count as f64 / periodic.scene().len() as f64;
     let mean = if count == 0 { 0.0 } else { overlap / count as f64 };
@@ -179,7 +179,7 @@ fn found(periodic: &Periodic<'_>, pairs: &[ImagePair], near: u64, overlap: f64, 
         json!({ "near_tangent": near }),
     );
     if near > 0 && 10 * near > count as u64 {
-        out.warnings.push(format!(
+        out.warn(format!(
             "{} within 1e-9 of just touching: codes that round differently will disagree \
              about {}",
             if near == 1 { "1 pair is".into() } else { format!("{near} pairs are") },
@@ -189,7 +189,7 @@ fn found(periodic: &Periodic<'_>, pairs: &[ImagePair], near: u64, overlap: f64, 
 }
 
 /// Prints the distance from the origin, and the errors of f32 there.
-fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Report) {
+fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Output) {
     let scene = periodic.scene();
     let largest = with_scene!(scene, scene => {
         let coordinates = scene.centres().iter().flat_map(array);

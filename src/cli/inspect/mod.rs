@@ -1,18 +1,17 @@
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use serde_json::{Map, Value, json};
+use serde_json::json;
 
 use crate::cli::shared::input::{self, Input};
-use crate::cli::shared::terminal;
+use crate::cli::shared::output::Output;
 use contactbench_core::memory::limit_for;
 use contactbench_io as io;
 use contactbench_io::{About, Frame, Notice, Particles, Place, RadiusSource};
 use contactbench_scenes::doubts::is_scaled;
 use contactbench_scenes::stats::stats;
 use contactbench_scenes::touching::in_any_box;
-use contactbench_terms::number::{number, wrap};
+use contactbench_terms::number::number;
 
 mod boxes;
 mod contacts;
@@ -30,36 +29,6 @@ pub struct Inspect {
     json: bool,
 }
 
-/// Output of `inspect`: labelled lines for people, values for JSON, and warnings.
-#[derive(Default)]
-struct Report {
-    lines: Vec<(&'static str, String)>,
-    values: Map<String, Value>,
-    warnings: Vec<String>,
-}
-
-impl Report {
-    fn line(&mut self, label: &'static str, text: String, values: Value) {
-        self.lines.push((label, text));
-        self.values.extend(values.as_object().cloned().into_iter().flatten());
-    }
-
-    fn print(mut self, as_json: bool) -> anyhow::Result<()> {
-        if as_json {
-            self.values.insert("warnings".into(), json!(self.warnings));
-            return Ok(terminal::json(&Value::Object(self.values))?);
-        }
-        let (mut out, width) = (terminal::out(), terminal::width());
-        for (label, text) in &self.lines {
-            hanging(&mut out, &format!("{label:<17} "), text, width)?;
-        }
-        for warning in &self.warnings {
-            hanging(&mut out, "warning: ", warning, width)?;
-        }
-        Ok(())
-    }
-}
-
 /// Reads the file, finds the contacts, prints both, and warns.
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     // If --frame all is given, `inspect` describes the last frame, and then the motion.
@@ -71,13 +40,14 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
         io::Options { survey: true, frame, ..options.input.options() },
     )?;
     let of_all = [particles.len(), about.frames as usize];
-    let mut out = Report::default();
+    let mut out = Output::new(options.json);
+    out.values(json!({ "warnings": [] }));
     of_file(options, &particles, &about, &mut out);
     boxes::report(&particles, &about, &options.input, &mut out);
     of_centres(&particles, &mut out);
     if about.radius == RadiusSource::Missing {
         if is_scaled(particles.len(), particles.dim(), |k| particles.centre(k)) {
-            out.warnings.push(Notice::Scaled.words(Place::Argument));
+            out.warn(Notice::Scaled.words(Place::Argument));
         }
     } else {
         of_scene(options, particles, &about, &mut out)?;
@@ -85,20 +55,11 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     if all {
         motion::report(options, of_all, &mut out);
     }
-    out.print(options.json)?;
+    out.print()?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Prints `head`, and beside it `text`, wrapped and indented.
-fn hanging(out: &mut impl Write, head: &str, text: &str, width: usize) -> std::io::Result<()> {
-    let indent = head.chars().count();
-    for (k, line) in wrap(text, width.saturating_sub(indent)).iter().enumerate() {
-        writeln!(out, "{:indent$}{line}", if k == 0 { head } else { "" })?;
-    }
-    Ok(())
-}
-
-fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Report) {
+fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Output) {
     let name = options.file.display().to_string();
     out.line("file", name.clone(), json!({ "file": name }));
     let gzip = if about.gzip { ", compressed with gzip" } else { "" };
@@ -114,7 +75,7 @@ fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Re
     };
     out.line("frames", format!("{frames}{which}"), json!({ "frames": frames, "frame": frame }));
     if frames > 1 && options.input.frame != Some(Frame::All) {
-        out.warnings.push(format!(
+        out.warn(format!(
             "the file has {frames} frames, numbered from 0; only frame {frame} is described"
         ));
     }
@@ -130,13 +91,13 @@ fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Re
         }
     };
     out.line("radius from", text, json!({ "radius_source": kind, "radius_column": column }));
-    out.warnings.extend(particles.notices.iter().map(|notice| notice.words(Place::Argument)));
+    particles.notices.iter().for_each(|notice| out.warn(notice.words(Place::Argument)));
 }
 
-fn of_centres(particles: &Particles, out: &mut Report) {
+fn of_centres(particles: &Particles, out: &mut Output) {
     let (n, dim) = (particles.len(), particles.dim());
     if n == 0 {
-        out.warnings.push("there are no particles".into());
+        out.warn("there are no particles");
         return;
     }
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -159,7 +120,7 @@ fn of_centres(particles: &Particles, out: &mut Report) {
     let text = format!("{count} centres at the place of another");
     out.line("coincident", text, json!({ "coincident_centres": count }));
     if let Some(first) = first {
-        out.warnings.push(Notice::Coincident(count as u64, first).words(Place::Argument));
+        out.warn(Notice::Coincident(count as u64, first).words(Place::Argument));
     }
 }
 
@@ -167,7 +128,7 @@ fn of_scene(
     options: &Inspect,
     particles: Particles,
     about: &About,
-    out: &mut Report,
+    out: &mut Output,
 ) -> anyhow::Result<()> {
     let given = particles.given(&options.file.display().to_string(), options.input.radius)?;
     let periodic = in_any_box(&given)?;

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use crate::cli::inspect::{Inspect, Report};
+use crate::cli::inspect::Inspect;
 use crate::cli::shared::input;
+use crate::cli::shared::output::Output;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::tracking;
 use contactbench_core::contact::Arithmetic;
@@ -13,10 +14,10 @@ use contactbench_run::moving::{Check, Moved, Question, Recorded, follow};
 use contactbench_terms::number::plural;
 
 /// Prints the motion from frame to frame, or warns if it cannot be read.
-pub(super) fn report(options: &Inspect, [particles, frames]: [usize; 2], out: &mut Report) {
+pub(super) fn report(options: &Inspect, [particles, frames]: [usize; 2], out: &mut Output) {
     match moved(options, particles, frames as u64) {
         Ok(moved) if moved.steps() == 0 => {
-            out.line("motion", "none: the file has one frame".into(), json!({}));
+            out.line("motion", "none: the file has one frame", json!({}));
         }
         Ok(moved) => {
             let all = plural(moved.frames as usize, "frame");
@@ -28,7 +29,7 @@ pub(super) fn report(options: &Inspect, [particles, frames]: [usize; 2], out: &m
                 json!({ "motion": tracking::moved_as_json(&moved, Check::All) }),
             );
         }
-        Err(error) => out.warnings.push(format!("the motion is not described: {error:#}")),
+        Err(error) => out.warn(format!("the motion is not described: {error:#}")),
     }
 }
 

@@ -7,6 +7,7 @@ pub mod arithmetic;
 pub mod ci;
 pub mod input;
 pub mod limit;
+pub mod output;
 pub mod progress;
 pub mod scene;
 pub mod sequence;
