@@ -44,11 +44,6 @@ fn formulas_hold_and_warm_calls_allocate_nothing() {
             thrice(|| two_threads(entry, text));
         }
     }
-    for spec in ["nbs:levels=auto", "hgrid:levels=optimal", "hgrid:levels=0.05/0.2"] {
-        for text in SCENES {
-            thrice(|| one_thread(&parse(spec).unwrap(), text, Arithmetic::Exact));
-        }
-    }
     for entry in TABLE.iter().filter(|entry| entry.is_ours() && entry.must_be_right()) {
         for text in BOXES {
             for arithmetic in Arithmetic::SAFE {

@@ -116,7 +116,7 @@ fn points_are_taken() {
 /// Detectors that split particles by size are right on all hard cases, with used buffers.
 #[test]
 fn ways_to_part_sizes_are_right_on_hard_cases() {
-    for spec in ["nbs:levels=auto", "hgrid:levels=optimal", "hgrid:levels=1e-3/0.25/1"] {
+    for spec in ["hgrid:ratio=1.25", "hgrid:ratio=8", "hgrid:ratio=one-level"] {
         let mut detector = parse(spec).unwrap().make(Options::default());
         let (mut answers, mut refusals) = (0, 0);
         for case in cases().filter(|case| case.expect != Expect::Invalid) {

@@ -106,21 +106,8 @@ pub struct Parameter {
     pub name: &'static str,
     /// Accepted words, the default first.
     pub values: &'static [&'static str],
-    /// Accepted values that [`Parameter::values`] does not list, if any.
-    pub beside: Option<Beside>,
-    /// Name of a parameter that cannot be combined with this one.
-    pub instead_of: Option<&'static str>,
     /// Effect of the parameter, in a phrase.
     pub meaning: &'static str,
-}
-
-/// Parameter values that are too many to list.
-#[derive(Clone, Copy, Debug)]
-pub struct Beside {
-    /// Returns the canonical spelling of a value, or `None` if it is invalid.
-    pub normal: fn(&str) -> Option<String>,
-    /// Description of a valid value, with an example.
-    pub form: &'static str,
 }
 
 impl Parameter {

@@ -116,18 +116,6 @@ pub enum SpecError {
     /// A text that is not of the form `name:parameter=value`, or an unknown parameter or value.
     #[error(transparent)]
     Grammar(#[from] grammar::Error),
-    /// Two given parameters that exclude each other.
-    #[error("'{spec}': {name}={value} and {other} exclude each other; leave out one of them")]
-    Together {
-        /// Whole text of the specification.
-        spec: String,
-        /// Name of the first of the two parameters.
-        name: &'static str,
-        /// Value of the first of the two parameters.
-        value: String,
-        /// Name of the second of the two parameters.
-        other: &'static str,
-    },
 }
 
 /// Parses a detector's name and, after a colon, values for its parameters, separated by commas, as
@@ -151,24 +139,14 @@ fn read(entry: &'static Entry, given: &Spec<'_>) -> Result<DetectorSpec, SpecErr
     given.keys(&names, &takes(entry))?;
     let mut params = Params::new();
     for parameter in entry.parameters {
-        let Parameter { name, values, beside, .. } = *parameter;
+        let Parameter { name, values, .. } = *parameter;
         let Some(value) = given.get(name) else { continue };
-        let word = values.contains(&value).then(|| value.to_string());
-        let Some(normal) = word.or_else(|| (beside?.normal)(value)) else {
-            let or = beside.map_or(String::new(), |beside| format!(", or {}", beside.form));
-            let allowed = format!("one of {}{or}", values.join(", "));
+        if !values.contains(&value) {
+            let allowed = format!("one of {}", values.join(", "));
             return Err(given.wrong(name, value, values, &allowed).into());
-        };
-        if normal != parameter.default() {
-            params.insert(name.into(), normal);
         }
-    }
-    for Parameter { name, instead_of, .. } in entry.parameters {
-        if let (Some(value), Some(other)) = (params.get(*name), instead_of)
-            && params.contains_key(*other)
-        {
-            let (spec, value) = (given.text.into(), value.clone());
-            return Err(SpecError::Together { spec, name, value, other });
+        if value != parameter.default() {
+            params.insert(name.into(), value.into());
         }
     }
     Ok(DetectorSpec { entry, params })

@@ -48,11 +48,8 @@ pub const FORMS: [&str; 5] =
 fn specs() -> Vec<(String, usize)> {
     let ratios = table::find("hgrid").unwrap().parameters[0].values;
     let hgrid = ratios.iter().map(|ratio| format!("hgrid:ratio={ratio}"));
-    let levels = ["optimal", "0.1/0.25/1/40", "1e-310/1e300"];
-    let hgrid = hgrid.chain(levels.map(|levels| format!("hgrid:levels={levels}")));
-    let nbs = std::iter::once("nbs:levels=auto".to_string());
     let streamed = FORMS.map(|form| format!("streamed-nbs:{form}"));
-    hgrid.chain(nbs).chain(streamed).map(|spec| (spec, 1)).collect()
+    hgrid.chain(streamed).map(|spec| (spec, 1)).collect()
 }
 
 /// Compares the answers of detectors, each with a number of threads, with the truth in every safe

@@ -8,7 +8,7 @@ fn choices_cover_every_form() {
     let of = |name| DetectorSpec::choices(table::find(name).unwrap());
     let texts = |name| of(name).iter().map(DetectorSpec::to_string).collect::<Vec<_>>();
     assert_eq!(texts("direct"), ["direct"]);
-    assert_eq!(texts("hgrid"), ["hgrid", "hgrid:ratio=one-level", "hgrid:levels=optimal"]);
+    assert_eq!(texts("hgrid"), ["hgrid", "hgrid:ratio=one-level"]);
     let forms = ["", "form=dense", "form=flat", "form=sparse"];
     assert_eq!(of("streamed-nbs").len(), forms.len() * Level::all().len());
     for text in texts("streamed-nbs").into_iter().chain(texts("nbs")) {
@@ -24,9 +24,7 @@ fn the_normal_form_is_sorted_without_defaults_and_parses_to_itself() {
         (" streamed-nbs : level = avx2 ", "streamed-nbs:level=avx2"),
         ("streamed-nbs:level=best,form=auto", "streamed-nbs"),
         ("streamed-nbs:level=portable,form=dense", "streamed-nbs:form=dense,level=portable"),
-        ("hgrid:levels= 1e-1/0.30/1.0", "hgrid:levels=0.1/0.3/1"),
-        ("hgrid:ratio=2,levels=optimal", "hgrid:levels=optimal"),
-        ("hgrid:ratio=4,levels=ratio", "hgrid:ratio=4"),
+        ("hgrid:ratio=2", "hgrid"),
     ] {
         let spec = parse(given).unwrap();
         assert_eq!(spec.to_string(), normal);
@@ -49,16 +47,8 @@ fn errors_list_the_valid_names_and_values() {
         ("streamed-nbs:level=avx2,level=best", &["level is given twice"]),
         ("streamed-nbs:levle=avx2", &["did you mean level?"]),
         ("streamed-nbs:form=dens", &["form cannot be 'dens' (did you mean dense?)"]),
-        ("nbs:levels=auto,", &["levels cannot be 'auto,'"]),
-        ("hgrid:levels=0.3/0.1", &["levels cannot be '0.3/0.1'", "optimal, or the largest"]),
-        ("hgrid:levels=-1/2", &["levels cannot be '-1/2'", "as in 0.1/0.3/1"]),
-        ("hgrid:levels=1/1", &["levels cannot be '1/1'"]),
-        ("hgrid:levels=", &["levels cannot be ''"]),
-        ("hgrid:levels=1/inf", &["levels cannot be '1/inf'"]),
-        (
-            "hgrid:levels=optimal,ratio=4",
-            &["levels=optimal and ratio exclude each other; leave out one of them"],
-        ),
+        ("hgrid:ratio=", &["ratio cannot be ''"]),
+        ("hgrid:ratio=1.7", &["ratio cannot be '1.7'", "one-level"]),
     ] {
         let error = parse(given).unwrap_err().to_string();
         assert!(parts.iter().all(|part| error.contains(part)), "{given}: {error}");

@@ -322,7 +322,7 @@ mod tests {
             (
                 &[
                     ("nbs", &[100, 100, 100, 103, 103, 103, 103]),
-                    ("nbs:levels=auto", &[101, 101, 101, 102, 102, 102, 102]),
+                    ("nbs:form=b", &[101, 101, 101, 102, 102, 102, 102]),
                     ("sorting", &slow[..7]),
                 ],
                 "nbs",
@@ -330,8 +330,8 @@ mod tests {
             ),
             // Another form takes part if it is decidedly faster.
             (
-                &[("nbs", &[100; 15]), ("nbs:levels=auto", &[50; 15]), ("sorting", &slow)],
-                "nbs:levels=auto",
+                &[("nbs", &[100; 15]), ("nbs:form=b", &[50; 15]), ("sorting", &slow)],
+                "nbs:form=b",
                 &[("sorting", true)],
             ),
             // Without a default form, the fastest takes part.

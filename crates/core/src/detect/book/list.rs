@@ -93,27 +93,16 @@ impl Heads {
     /// Returns the first particle of `list`, or [`EMPTY`].
     #[inline(always)]
     pub fn first<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
-        self.look(list, Op::CellProbe, probe)
+        probe.count(Op::CellProbe);
+        let head = self.0[list.at()];
+        probe.note(|| Event::Look { heads: self.1, list: list.at(), first: listed(head) });
+        head & !OLD
     }
 
     /// Returns the first particle of a list that will soon be needed, or [`EMPTY`] beyond the last.
     #[inline(always)]
     pub fn ahead(&self, list: impl Index) -> u32 {
         self.0.get(list.at()).map_or(EMPTY, |&head| head & !OLD)
-    }
-
-    /// Does the same as [`Heads::first`] for lists of a smaller size class, under its own counter.
-    #[inline(always)]
-    pub fn first_smaller<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
-        self.look(list, Op::LevelProbe, probe)
-    }
-
-    #[inline(always)]
-    fn look<P: Probe>(&self, list: impl Index, op: Op, probe: &mut P) -> u32 {
-        probe.count(op);
-        let head = self.0[list.at()];
-        probe.note(|| Event::Look { heads: self.1, list: list.at(), first: listed(head) });
-        head & !OLD
     }
 
     /// Marks `list` as old and returns its first particle, or `None` if it is empty or was old.
@@ -190,27 +179,6 @@ impl<const L: usize> Links<L> {
                 self.check_one(kind, bodies, i, first, probe, sink);
             }
             i = rest;
-        }
-    }
-
-    /// Tests the particles of the list starting at `central` against those of the `mask` lists
-    /// only.
-    #[inline(always)]
-    pub fn check_across<T: Real, const D: usize, const M: usize>(
-        &self,
-        kind: usize,
-        bodies: &impl Bodies<T, D>,
-        central: u32,
-        mask: [u32; M],
-        probe: &mut impl Probe,
-        sink: &mut impl Sink,
-    ) {
-        let mut i = central;
-        while i != EMPTY {
-            for first in mask {
-                self.check_one(kind, bodies, i, first, probe, sink);
-            }
-            i = self.next(i, kind, probe);
         }
     }
 

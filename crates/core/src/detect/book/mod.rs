@@ -7,6 +7,5 @@ mod golden;
 pub(super) mod list;
 pub mod mask;
 pub mod nbs;
-pub mod nbs_levels;
 pub mod screening;
 pub mod sorting;

@@ -2,9 +2,8 @@
 //! experiment and test.
 
 use super::any::{AnyDetector, Both, Refuses};
-use super::book::nbs_levels::NbsLevels;
 use super::book::{binary_tree, direct, nbs, screening, sorting};
-pub use super::entry::{Beside, Entry, Group, Parameter, Params, Role, Speed};
+pub use super::entry::{Entry, Group, Parameter, Params, Role, Speed};
 use super::modern::{bvh, cell_grid, hash_grid, hgrid, kd_tree, sweep};
 #[cfg(feature = "peers")]
 use super::peers::{Peer, library::Library, library::Wrapped};
@@ -89,19 +88,10 @@ pub static TABLE: &[Entry] = &[
         group: Group::Book,
         summary: "Munjiza-NBS: lists of layers, of rows, of cells; no binary search",
         cost: "N",
-        memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D; with levels \
-                 about twice that",
+        memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D",
         limits: "memory: a particle so far away that nx + ny + nz exceeds the limit",
         judge: 4,
-        parameters: &[Parameter {
-            name: "levels",
-            values: &["none", "auto"],
-            beside: None,
-            instead_of: None,
-            meaning: "none: cells for the largest body; auto: by octaves of radii, each with all \
-                      smaller ones",
-        }],
-        constructor: nbs,
+        constructor: Both::<nbs::Nbs<2>, nbs::Nbs<3>>::boxed,
         ..PLAIN
     },
     Entry {
@@ -119,16 +109,12 @@ pub static TABLE: &[Entry] = &[
             Parameter {
                 name: "form",
                 values: &["auto", "dense", "flat", "sparse"],
-                beside: None,
-                instead_of: None,
                 meaning: "layers by all cells, by columns of them, or by occupied cells only; \
                           auto: as the scene is crowded",
             },
             Parameter {
                 name: "level",
                 values: &["best", "portable", "neon", "avx2", "avx512"],
-                beside: None,
-                instead_of: None,
                 meaning: "vector instructions; best: the widest that the processor has",
             },
         ],
@@ -163,27 +149,11 @@ pub static TABLE: &[Entry] = &[
         cost: "N in each level, whatever the ratio of sizes",
         memory: "4(C + N) + 44S + 24N in 2D, 48S + 32N in 3D; S strips of 8 cells, C slots",
         limits: "cells per axis < 2^31 where particles crowd; the memory limit",
-        parameters: &[
-            Parameter {
-                name: "ratio",
-                values: &["2", "1.25", "1.5", "1.6", "2.5", "3", "4", "8", "one-level"],
-                beside: None,
-                instead_of: None,
-                meaning: "from the largest radius of a level to that of the next",
-            },
-            Parameter {
-                name: "levels",
-                values: &["ratio", "optimal"],
-                beside: Some(Beside {
-                    normal: |text| Some(hgrid::Borders::parse(text)?.to_string()),
-                    form: "the largest radii of all levels but the coarsest, rising, at most 31, \
-                           as in 0.1/0.3/1",
-                }),
-                instead_of: Some("ratio"),
-                meaning: "levels by the ratio, where a model of the work is least, or by largest \
-                          radii in units of length, as in 0.1/0.3/1",
-            },
-        ],
+        parameters: &[Parameter {
+            name: "ratio",
+            values: &["2", "1.25", "1.5", "1.6", "2.5", "3", "4", "8", "one-level"],
+            meaning: "from the largest radius of a level to that of the next",
+        }],
         constructor: hgrid,
         ..PLAIN
     },
@@ -297,14 +267,6 @@ pub fn judges() -> Vec<&'static Entry> {
     judges
 }
 
-fn nbs(params: &Params, options: Options) -> Box<dyn AnyDetector> {
-    if params.contains_key("levels") {
-        Both::<NbsLevels<nbs::Nbs<2>, 2>, NbsLevels<nbs::Nbs<3>, 3>>::boxed(params, options)
-    } else {
-        Both::<nbs::Nbs<2>, nbs::Nbs<3>>::boxed(params, options)
-    }
-}
-
 fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     let level = match params.get("level") {
         None => Level::best(),
@@ -335,18 +297,9 @@ fn hgrid(params: &Params, options: Options) -> Box<dyn AnyDetector> {
         // A ratio that is not a number puts all sizes in one level.
         Some(number) => number.ok(),
     };
-    let parting = match params.get("levels").map(String::as_str) {
-        None => hgrid::Parting::Ratio(ratio),
-        Some("optimal") => hgrid::Parting::Optimal,
-        // The parser of specifications accepts no other values.
-        Some(text) => match hgrid::Borders::parse(text) {
-            Some(borders) => hgrid::Parting::Borders(borders),
-            None => hgrid::Parting::Ratio(ratio),
-        },
-    };
     let (plane, space) = (
-        hgrid::HGrid::<2>::with_levels(parting.clone(), options),
-        hgrid::HGrid::<3>::with_levels(parting, options),
+        hgrid::HGrid::<2>::with_ratio(ratio, options),
+        hgrid::HGrid::<3>::with_ratio(ratio, options),
     );
     Both::join(plane, space, options)
 }

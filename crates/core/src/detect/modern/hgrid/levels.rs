@@ -3,8 +3,6 @@
 use std::ops::Range;
 
 use super::STRIP;
-use super::parting::Parting;
-use super::work::{Class, optimal};
 use crate::contact::{Bodies, Margin};
 use crate::detect::Refusal;
 use crate::detect::modern::crowd::{CLASSES, CROWD, company};
@@ -17,7 +15,7 @@ use crate::sink::splitmix64;
 use crate::wide::fill;
 
 /// Largest number of levels; the last one holds all radii below the last border.
-pub const MOST_LEVELS: usize = CLASSES;
+const MOST_LEVELS: usize = CLASSES;
 
 /// Size classes, largest first.
 #[derive(Clone)]
@@ -26,6 +24,30 @@ pub(super) struct Levels<const D: usize> {
     borders: [f64; MOST_LEVELS],
     levels: [Level<D>; MOST_LEVELS],
     count: usize,
+}
+
+/// The particles of a level.
+#[derive(Clone)]
+pub(super) struct Class<const D: usize> {
+    pub low: [f64; D],
+    pub high: [f64; D],
+    pub largest: f64,
+    pub bodies: usize,
+}
+
+impl<const D: usize> Class<D> {
+    const NONE: Class<D> =
+        Class { low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D], largest: 0.0, bodies: 0 };
+
+    #[inline(always)]
+    fn take(&mut self, position: [f64; D], radius: f64) {
+        for (k, x) in position.into_iter().enumerate() {
+            self.low[k] = self.low[k].min(x);
+            self.high[k] = self.high[k].max(x);
+        }
+        self.largest = self.largest.max(radius);
+        self.bodies += 1;
+    }
 }
 
 #[derive(Clone)]
@@ -81,7 +103,7 @@ impl<const D: usize> Levels<D> {
 
     pub fn new<T: Real>(
         bodies: &impl Bodies<T, D>,
-        parting: &Parting,
+        ratio: Option<f64>,
     ) -> Result<Levels<D>, Refusal> {
         let n = bodies.len() as u32;
         let mut levels = Levels::NONE;
@@ -93,7 +115,7 @@ impl<const D: usize> Levels<D> {
                 largest = largest.max(bodies.radius(id));
             }),
         }
-        levels.part(bodies, parting, least, largest);
+        levels.part(ratio, least, largest);
         for id in 0..n {
             let radius = bodies.radius(id);
             let class = levels.class(radius);
@@ -120,37 +142,19 @@ impl<const D: usize> Levels<D> {
         Ok(levels)
     }
 
-    fn part<T: Real>(
-        &mut self,
-        bodies: &impl Bodies<T, D>,
-        parting: &Parting,
-        least: f64,
-        largest: f64,
-    ) {
+    fn part(&mut self, ratio: Option<f64>, least: f64, largest: f64) {
         self.borders[0] = largest;
         self.count = 1;
         // Particles of one size, and points, form one level.
         if least >= largest {
             return;
         }
-        match parting {
-            Parting::Ratio(None) => {}
-            Parting::Ratio(Some(ratio)) => {
-                let mut border = largest / ratio;
-                while least <= border && self.count < MOST_LEVELS {
-                    self.borders[self.count] = border;
-                    self.count += 1;
-                    border /= ratio;
-                }
-            }
-            Parting::Borders(borders) => {
-                let below = borders.radii().iter().rev().filter(|&&radius| radius < largest);
-                for &radius in below {
-                    self.borders[self.count] = radius;
-                    self.count += 1;
-                }
-            }
-            Parting::Optimal => (self.borders, self.count) = optimal(bodies, largest),
+        let Some(ratio) = ratio else { return };
+        let mut border = largest / ratio;
+        while least <= border && self.count < MOST_LEVELS {
+            self.borders[self.count] = border;
+            self.count += 1;
+            border /= ratio;
         }
     }
 

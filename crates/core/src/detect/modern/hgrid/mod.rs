@@ -10,11 +10,9 @@
 //!                                          c is tested against its neighbours only
 //! ```
 //!
-//! 1. Radii are divided into levels in one of three ways: the largest radius divided by a ratio,
-//!    again and again; at given radii (`levels=0.1/0.3`: up to 0.1, up to 0.3, and the rest); or
-//!    such that a model of the work is least (`levels=optimal`, see `hgrid/work.rs`). A radius at a
-//!    border belongs to the smaller level. The grid of a level covers the box of its particles. Its
-//!    cells are as wide as the reach of its largest radius
+//! 1. Radii are divided into levels at the largest radius divided by powers of a ratio. A radius at
+//!    a border belongs to the smaller level. The grid of a level covers the box of its particles.
+//!    Its cells are as wide as the reach of its largest radius
 //!    ([`crate::contact::Bodies::class_reach`]). In a sparse level cells are as wide as the spacing
 //!    of particles, unless a sample shows that particles crowd.
 //! 2. Rows of cells along x are cut into strips of 8. Strips with particles are found by a hash
@@ -35,18 +33,15 @@
 //!   particles.
 //! * Refuses scenes over the memory limit, and domains of 2^31 or more cells of the largest reach
 //!   along an axis if particles crowd in wider cells.
-//! * Deviations from the sources: there are at most 32 levels, by default from the largest radius
-//!   downwards, and only those with particles exist. The optimum is found by search, not in closed
-//!   form. Cells are as wide as the largest radius in a level requires, not as its border does, and
-//!   wider if most would be empty. Strips instead of cells are hashed, so that one lookup finds up
-//!   to 8 cells. Cells are wider by 4 parts in a million ([`crate::filter::cells`]).
+//! * Deviations from the sources: there are at most 32 levels, from the largest radius
+//!   downwards, and only those with particles exist. Cells are as wide as the largest radius in a
+//!   level requires, not as its border does, and wider if most would be empty. Strips instead of
+//!   cells are hashed, so that one lookup finds up to 8 cells. Cells are wider by 4 parts in a
+//!   million ([`crate::filter::cells`]).
 
 mod levels;
-mod parting;
-mod work;
 
 use levels::{Level, Levels};
-pub use parting::{Borders, Parting};
 
 use super::copies::{Each, Found, Judge, Nearness, One, Record, room};
 use super::rows::rows_after;
@@ -64,7 +59,8 @@ const FREE: u32 = u32::MAX;
 /// The hierarchical grid, in `D` dimensions.
 pub struct HGrid<const D: usize> {
     options: Options,
-    parting: Parting,
+    /// Ratio of the borders of levels; `None` puts all sizes in one level.
+    ratio: Option<f64>,
     levels: Levels<D>,
     /// Hash tables of all levels: in each slot the first particle of a strip, later the strip's
     /// number.
@@ -76,11 +72,12 @@ pub struct HGrid<const D: usize> {
 }
 
 impl<const D: usize> HGrid<D> {
-    /// Creates a detector that divides radii into levels by `parting`.
-    pub fn with_levels(parting: Parting, options: Options) -> HGrid<D> {
+    /// Creates a detector with the ratio of the borders of levels; `None` puts all sizes in
+    /// one level.
+    pub fn with_ratio(ratio: Option<f64>, options: Options) -> HGrid<D> {
         HGrid {
             options,
-            parting,
+            ratio,
             levels: Levels::NONE,
             slots: Vec::new(),
             places: Vec::new(),
@@ -94,7 +91,7 @@ impl<const D: usize> Declare for HGrid<D> {
     const DECIDES_FROM_COPIES: bool = true;
 
     fn with(options: Options) -> HGrid<D> {
-        HGrid::with_levels(Parting::Ratio(Some(2.0)), options)
+        HGrid::with_ratio(Some(2.0), options)
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -113,7 +110,7 @@ impl<T: Real, const D: usize> Detector<T, D> for HGrid<D> {
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        self.levels = Levels::new(&bodies, &self.parting)?;
+        self.levels = Levels::new(&bodies, self.ratio)?;
         self.fits(bodies.len(), 0)?;
         self.find_strips(&bodies, probe);
         let strips = self.levels.all().iter().map(|level| level.strips.len()).sum();
