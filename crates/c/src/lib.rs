@@ -127,7 +127,7 @@ pub extern "C" fn contactbench_last_error() -> *const c_char {
 ///
 /// `detector` is a name with parameters, as in "streamed-nbs:level=avx2"; NULL or an empty text
 /// selects the recommended detector. `arithmetic` is "exact", "exact-open" (pairs touch at a
-/// distance below ri + rj, not at it), "f64", "f32", "f32-cell" or "textbook"; NULL or an empty
+/// distance below ri + rj, not at it), "f64", "f32" or "textbook"; NULL or an empty
 /// text selects "exact". `memory_limit` in bytes applies to the arrays and, separately, to the
 /// pairs; 0 selects 4 GiB, or a quarter of the machine's memory if that is less.
 ///

@@ -103,8 +103,7 @@ impl<const D: usize> Pair<D> {
         table.add(self.name, "couples", counts);
         let all = 0..self.frame_count();
         let exact = |k: usize| Frame { scene: self.scene(k), truth: self.touching(k) };
-        let rounded =
-            [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::F64][draw.below(3) as usize];
+        let rounded = [Arithmetic::F32, Arithmetic::F64][draw.below(2) as usize];
         let stored = all.clone().map(|k| Frame::new(&self.scene(k), rounded)).collect();
         for (arithmetic, frames) in
             [(Arithmetic::Exact, Some(all.map(exact).collect())), (rounded, stored)]

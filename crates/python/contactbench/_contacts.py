@@ -71,7 +71,7 @@ def contacts(
     detector : str
         One of `DETECTORS`, with parameters as in ``"streamed-nbs:level=avx2"``; ``"auto"`` is
         `streamed-nbs`, the default of ``contactbench detect``. Only time and memory depend on it.
-    arithmetic : {"exact", "exact-open", "f64", "f32", "f32-cell", "textbook"}
+    arithmetic : {"exact", "exact-open", "f64", "f32", "textbook"}
         How contacts are decided: exactly for the given numbers, exactly with < instead of <=, or by
         a rounded test.
     threads : int

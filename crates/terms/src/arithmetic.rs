@@ -12,9 +12,6 @@ crate::named! {
     pub enum Arithmetic {
         /// The scene is rounded to f32; |xi - xj|² <= (ri + rj)² is evaluated in f32.
         F32 = "f32",
-        /// Like [`Arithmetic::F32`], but a coordinate is stored as a cell number and an f32 offset
-        /// from the origin of the cell.
-        F32Cell = "f32-cell",
         /// Stored as f64 and decided in f64, with the filters as printed in the book. These have no
         /// safety margin, so contacts may be missed.
         Textbook = "textbook",
@@ -31,13 +28,8 @@ crate::named! {
 impl Arithmetic {
     /// The arithmetics in which every detector must find exactly the pairs that the contact test
     /// accepts; all but [`Arithmetic::Textbook`].
-    pub const SAFE: [Arithmetic; 5] = [
-        Arithmetic::F32,
-        Arithmetic::F32Cell,
-        Arithmetic::F64,
-        Arithmetic::ExactOpen,
-        Arithmetic::Exact,
-    ];
+    pub const SAFE: [Arithmetic; 4] =
+        [Arithmetic::F32, Arithmetic::F64, Arithmetic::ExactOpen, Arithmetic::Exact];
 
     /// Summary, storage and contact test.
     const fn entry(self) -> (&'static str, Storage, Test) {
@@ -45,11 +37,6 @@ impl Arithmetic {
             Arithmetic::F32 => {
                 let words = "scene stored in f32, contacts decided in f32";
                 (words, Storage::F32, Test::Rounded)
-            }
-            Arithmetic::F32Cell => {
-                let words = "coordinates as cell number and f32 offset from the cell's origin, \
-                             contacts decided in f32";
-                (words, Storage::Cell, Test::Rounded)
             }
             Arithmetic::Textbook => {
                 let words =
@@ -117,8 +104,6 @@ pub enum Storage {
     F32,
     /// Centres and radii as given, in f64.
     F64,
-    /// For each coordinate, a cell number and an f32 offset from the origin of the cell.
-    Cell,
 }
 
 impl From<Arithmetic> for Storage {

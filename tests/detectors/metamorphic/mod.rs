@@ -5,11 +5,11 @@
 //! |---|---|---|---|
 //! | permutation of the particles | renamed | all | a - b and b - a round alike, ri + rj commutes |
 //! | one radius for all, or the same for each particle | same | all | the same operations |
-//! | removal of particles | the pairs of the other particles | all; f32-cell if the largest stays | the edge of cells depends on the largest particle |
+//! | removal of particles | the pairs of the other particles | all | a test reads two particles |
 //! | a particle twice | its pairs twice, and both as a pair | all | 0 <= s² also holds after rounding |
-//! | larger radii | a superset | all; f32-cell up to the largest | rounding is monotone: s' >= s gives s'² >= s² |
+//! | larger radii | a superset | all | rounding is monotone: s' >= s gives s'² >= s² |
 //! | scaling by 2^k | same | all | no bit is lost; rounded tests while no square under- or overflows |
-//! | mirroring of an axis | same | all; f32-cell on its grid | it rounds half a step upwards on both sides of 0 |
+//! | mirroring of an axis | same | all | rounding is symmetric |
 //! | exchange of x and y | same | all | a + b = b + a also holds after rounding |
 //! | exchange of other axes | same | exact | (a + b) + c is not a + (b + c) |
 //! | translation | same | all | coordinates have few bits, so differences stay equal |

@@ -54,13 +54,7 @@ impl<const D: usize> Given<'_, D> {
     pub fn removal(self) -> Change<D> {
         let share = [0.02, 0.5][self.random.random_range(0..2)];
         let kept: Vec<u32> = (0..self.n()).filter(|_| !self.random.random_bool(share)).collect();
-        let (after, largest) = (self.scene.reordered(&kept), self.scene.largest_radius());
-        // f32-cell rounds coordinates in cells, whose edge depends on the largest particle or the
-        // extent.
-        let by_cells = self.arithmetic == Arithmetic::F32Cell;
-        if by_cells && (after.largest_radius() != largest || largest == 0.0) {
-            return None;
-        }
+        let after = self.scene.reordered(&kept);
         self.becomes(after, move |pairs| {
             let new = |k: &u32| kept.binary_search(k).ok().map(|k| k as u32);
             pairs.iter().filter_map(|[i, j]| Some([new(i)?, new(j)?])).collect()
@@ -88,11 +82,9 @@ impl<const D: usize> Given<'_, D> {
 
     pub fn growth(self) -> Change<D> {
         let scene = self.scene;
-        let by_cells = self.arithmetic == Arithmetic::F32Cell;
-        let most = if by_cells { scene.largest_radius() } else { f64::INFINITY };
         let mut larger = |r: f64| {
             let all = [r, r.next_up(), 1.5 * r, 4.0 * r, r + 0.1];
-            all[self.random.random_range(0..5)].min(most)
+            all[self.random.random_range(0..5)]
         };
         let radii = (0..scene.len()).map(|k| larger(scene.radius(k))).collect();
         let after = Scene::new(scene.centres().to_vec(), Radii::Each(radii)).unwrap();
@@ -110,18 +102,12 @@ impl<const D: usize> Given<'_, D> {
 
     pub fn mirror(self) -> Change<D> {
         let axis = self.random.random_range(0..D);
-        let before = match self.arithmetic {
-            // Storing rounds half a step upwards, so the scene is rounded before it is mirrored.
-            Arithmetic::F32Cell if self.scene.largest_radius() == 0.0 => return None,
-            Arithmetic::F32Cell => kept(self.scene, self.arithmetic)?,
-            _ => self.scene.clone(),
-        };
         let turned = |mut c: [f64; D]| {
             c[axis] = -c[axis];
             c
         };
-        let after = map(&before, turned, |r| r)?;
-        Given { scene: &before, ..self }.same(after)
+        let after = map(self.scene, turned, |r| r)?;
+        self.same(after)
     }
 
     pub fn exchange(self) -> Change<D> {
@@ -141,7 +127,7 @@ impl<const D: usize> Given<'_, D> {
     }
 
     pub fn translation(self) -> Change<D> {
-        // Shifted coordinates fit the 24 bits of f32; cells have steps of 2^-24 of a diameter.
+        // Shifted coordinates fit the 24 bits of f32.
         let bits = if self.arithmetic == Arithmetic::F32 { 22 } else { 40 };
         let offset: [f64; D] = std::array::from_fn(|_| {
             self.random.random_range(-(1i64 << bits)..1 << bits) as f64 / 256.0
@@ -186,8 +172,6 @@ fn powers<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<(i3
     let (least_square, most_square): (i32, i32) = match arithmetic {
         // Scaling must neither move a bit below 2^-1074 nor exceed the largest number.
         Arithmetic::Exact => return Some((-1074 - last_bit, 1023 - first_bit)),
-        // The edge of the cells must stay a normal number, even if it is 2^-20 of the extent.
-        Arithmetic::F32Cell => return Some((-990 - last_bit, 1021 - first_bit)),
         Arithmetic::F32 => (-126, 127),
         _ => (-1022, 1023),
     };

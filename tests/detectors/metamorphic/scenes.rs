@@ -22,8 +22,7 @@ pub fn any_scene<const D: usize>(scene: &Flat<D>) -> AnyScene<'static> {
     AnyScene::at(scene.centres().iter().map(|at| *array(at)), scene.radii().clone()).unwrap()
 }
 
-/// Returns the scene as `arithmetic` stores it, converted to f64 (for f32-cell, in units of the
-/// cell); `None` if it cannot be stored.
+/// Returns the scene as `arithmetic` stores it, converted to f64; `None` if it cannot be stored.
 pub fn kept<const D: usize>(scene: &Flat<D>, arithmetic: Arithmetic) -> Option<Flat<D>> {
     with_scene!(any_scene(scene).stored(arithmetic).ok()?, scene => {
         let row = |k: usize| std::array::from_fn(|axis| array(&scene.centres()[k])[axis].wide());

@@ -72,7 +72,7 @@ fn every_pass_begins_with_a_reset_and_every_scene_with_its_hook() {
 fn this_program_is_a_runner_in_every_arithmetic() {
     let at = Place::new();
     let command = format!("'{PROGRAM}' runner --detector kd-tree --arithmetic {{arithmetic}}");
-    let words = ["f32", "f32-cell", "f64", "exact"];
+    let words = ["f32", "f64", "exact"];
     let words = words.map(|it| format!(", {it} arithmetic, has all requests\n"));
     check(&at, &command, "--seconds 0", 0, &words.each_ref().map(String::as_str));
     // This runner ignores the requested arithmetic.

@@ -10,7 +10,7 @@ use crate::common::{answers, runner, say};
 #[test]
 fn each_error_is_charged_to_its_cause() {
     let text = "detectors = [\"direct\", \"nbs\"]\n\
-                arithmetics = [\"f32\", \"f32-cell\", \"textbook\", \"f64\", \"exact\"]\n\
+                arithmetics = [\"f32\", \"textbook\", \"f64\", \"exact\"]\n\
                 [[scene]]\nname = \"couples\"\nn = 600\ndiameter = 0.1\noffset = -1000\n\
                 [[scene]]\nname = \"loose\"\nn = 600\noffset = 1e6\n";
     // Textbook arithmetic may miss contacts without failing the run.

@@ -9,7 +9,7 @@ use super::rule::{
 use super::{Margin, Slack, Test};
 use crate::probe::{Op, Probe};
 use crate::refusal::Refusal;
-use crate::scene::{CellF32, Radii, Real, Scene, Stored, Work, array};
+use crate::scene::{Radii, Real, Scene, Stored, array};
 use crate::wide::fill;
 
 /// Positions and radii for a detector's filters, and the contact test for its decisions.
@@ -207,9 +207,17 @@ pub fn with_bodies<const D: usize, W, O>(
 where
     W: WithBodies<f64, D, Output = Result<O, Refusal>>,
 {
-    match test.margin() {
-        Some(margin) => rounded(scene, margin, then),
-        None => exact(scene, test, then),
+    if !test.is_exact() {
+        return rounded(scene, test, then);
+    }
+    let (envelope, centres) = (Envelope::exact(scene.largest_radius()), scene.centres());
+    match scene.radii() {
+        radii @ Radii::Uniform(r) => {
+            then.call(envelope.with(centres, radii, ExactUniform::new(*r, test)))
+        }
+        all @ Radii::Each(radii) => {
+            then.call(envelope.with(centres, all, ExactEach { radii, test }))
+        }
     }
 }
 
@@ -223,48 +231,28 @@ pub fn with_stored<const D: usize, W, O>(
 ) -> Result<O, Refusal>
 where
     W: WithBodies<f32, D, Output = Result<O, Refusal>>
-        + WithBodies<f64, D, Output = Result<O, Refusal>>
-        + WithBodies<CellF32, D, Output = Result<O, Refusal>>,
+        + WithBodies<f64, D, Output = Result<O, Refusal>>,
 {
-    let Some(margin) = test.margin() else { return exact(&scene.widened(), test, then) };
     match scene {
-        Stored::F32(scene) => rounded(scene, margin, then),
-        Stored::F64(scene) => rounded(scene, margin, then),
-        Stored::Cell(scene) => rounded(scene, margin, then),
+        Stored::F32(scene) if !test.is_exact() => rounded(scene, test, then),
+        scene => with_bodies(&scene.widened(), test, then),
     }
 }
 
 fn rounded<T: Real, const D: usize, W, O>(
     scene: &Scene<'_, T, D>,
-    margin: Margin,
+    test: Test,
     then: W,
 ) -> Result<O, Refusal>
 where
     W: WithBodies<T, D, Output = Result<O, Refusal>>,
 {
-    let envelope = Envelope::rounded(scene.largest_radius(), margin)?;
+    let (envelope, centres) = (Envelope::of(scene.largest_radius(), test)?, scene.centres());
     match scene.radii() {
-        Radii::Uniform(r) => {
-            then.call(envelope.with(scene.centres(), scene.radii(), RoundedUniform::new(*r)))
+        radii @ Radii::Uniform(r) => {
+            then.call(envelope.with(centres, radii, RoundedUniform::new(*r)))
         }
-        Radii::Each(radii) => {
-            then.call(envelope.with(scene.centres(), scene.radii(), RoundedEach { radii }))
-        }
-    }
-}
-
-fn exact<const D: usize, W, O>(scene: &Scene<'_, f64, D>, test: Test, then: W) -> O
-where
-    W: WithBodies<f64, D, Output = O>,
-{
-    let envelope = Envelope::exact(scene.largest_radius());
-    match scene.radii() {
-        Radii::Uniform(r) => {
-            then.call(envelope.with(scene.centres(), scene.radii(), ExactUniform::new(*r, test)))
-        }
-        Radii::Each(radii) => {
-            then.call(envelope.with(scene.centres(), scene.radii(), ExactEach { radii, test }))
-        }
+        all @ Radii::Each(radii) => then.call(envelope.with(centres, all, RoundedEach { radii })),
     }
 }
 
@@ -275,40 +263,9 @@ pub fn any_bodies<'a, T: Real, const D: usize>(
     scene: &'a Scene<'_, T, D>,
     test: Test,
 ) -> Result<AnyBodies<'a, T, D>, Refusal> {
-    let (envelope, rule) = any_rule(scene.radii(), scene.largest_radius(), test)?;
-    Ok(envelope.with(Pieces { first: scene.centres(), rest: &[] }, scene.radii(), rule))
-}
-
-pub(super) type Plain<'a, T, const D: usize> =
-    SceneBodies<'a, T, AnyRule<'a, T>, &'a [Point<T, D>], D>;
-
-/// Returns the scene with a test chosen anew for each pair, without room for images.
-pub(super) fn plain<'a, T: Real, const D: usize>(
-    scene: &'a Scene<'_, T, D>,
-    test: Test,
-) -> Result<Plain<'a, T, D>, Refusal> {
-    let (envelope, rule) = any_rule(scene.radii(), scene.largest_radius(), test)?;
-    Ok(envelope.with(scene.centres(), scene.radii(), rule))
-}
-
-fn any_rule<'a, T: Real>(
-    radii: &'a Radii<'_, T>,
-    largest: T,
-    test: Test,
-) -> Result<(Envelope, AnyRule<'a, T>), Refusal> {
-    let envelope = match test.margin() {
-        Some(margin) => Envelope::rounded(largest, margin)?,
-        None => Envelope::exact(largest),
-    };
-    let rule = match (test, radii) {
-        (Test::Exact | Test::Open, Radii::Uniform(r)) => {
-            AnyRule::ExactUniform(ExactUniform::new(r.wide(), test))
-        }
-        (Test::Exact | Test::Open, Radii::Each(radii)) => AnyRule::ExactEach(radii, test),
-        (_, Radii::Uniform(r)) => AnyRule::RoundedUniform(RoundedUniform::new(*r)),
-        (_, Radii::Each(radii)) => AnyRule::RoundedEach(RoundedEach { radii }),
-    };
-    Ok((envelope, rule))
+    let envelope = Envelope::of(scene.largest_radius(), test)?;
+    let centres = Pieces { first: scene.centres(), rest: &[] };
+    Ok(envelope.with(centres, scene.radii(), AnyRule::new(scene.radii(), test)))
 }
 
 /// Particles of a periodic scene, followed by images of some of them.
@@ -343,7 +300,7 @@ impl<'a, const D: usize> Imaged<'a, D> {
     pub fn bodies(&self) -> Result<AnyBodies<'a, f64, D>, Refusal> {
         let (radii, largest) = (self.radii, self.largest_radius);
         let (envelope, rule) = match self.decided {
-            Decided::Test(test) => any_rule(radii, largest, test)?,
+            Decided::Test(test) => (Envelope::of(largest, test)?, AnyRule::new(radii, test)),
             Decided::Asked(asked) => {
                 let slack = asked.slack;
                 let reach = slack.reach(largest, largest);
@@ -363,9 +320,11 @@ struct Envelope {
 }
 
 impl Envelope {
-    /// Creates the bounds of a rounded test. Fails if the square of the diameter overflows `T`.
-    fn rounded<T: Real>(r: T, margin: Margin) -> Result<Envelope, Refusal> {
-        let (sum, diameter) = (r.plus(r), 2.0 * r.wide());
+    /// Creates the bounds of a test. Fails if the square of the diameter overflows `T` and the test
+    /// is rounded.
+    fn of<T: Real>(r: T, test: Test) -> Result<Envelope, Refusal> {
+        let Some(margin) = test.margin() else { return Ok(Envelope::exact(r)) };
+        let (sum, diameter) = (r + r, 2.0 * r.wide());
         if !(sum * sum).finite() {
             return Err(Refusal::Overflow { diameter, precision: T::NAME });
         }

@@ -38,10 +38,10 @@ pub trait Rule<T: Real>: Copy + Sync {
 }
 
 #[inline(always)]
-fn square_distance<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T::Work {
-    let mut sum = T::Work::default();
+fn square_distance<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+    let mut sum = T::default();
     for k in 0..D {
-        let d = a[k].minus(b[k]);
+        let d = a[k] - b[k];
         sum = sum + d * d;
     }
     sum
@@ -51,12 +51,12 @@ fn square_distance<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T::Work {
 #[derive(Clone, Copy)]
 pub struct RoundedUniform<T: Real> {
     /// Square of the diameter.
-    square: T::Work,
+    square: T,
 }
 
 impl<T: Real> RoundedUniform<T> {
     pub(super) fn new(radius: T) -> RoundedUniform<T> {
-        let sum = radius.plus(radius);
+        let sum = radius + radius;
         RoundedUniform { square: sum * sum }
     }
 }
@@ -80,7 +80,7 @@ impl<T: Real> Rule<T> for RoundedEach<'_, T> {
     #[inline(always)]
     fn touch<const D: usize, P: Probe>(&self, of: Pair<'_, T, D>, _: &mut P) -> bool {
         let (r, s) = of.each(|k| self.radii[k]);
-        let sum = r.plus(s);
+        let sum = r + s;
         square_distance(of.a, of.b) <= sum * sum
     }
 }
@@ -237,6 +237,19 @@ pub enum AnyRule<'a, T: Real> {
     ExactEach(&'a [T], Test),
     /// Test of approximate positions with a callback, for one radius or one per particle.
     Asked(Asked<'a>, &'a Radii<'a, T>),
+}
+
+impl<'a, T: Real> AnyRule<'a, T> {
+    pub(super) fn new(radii: &'a Radii<'_, T>, test: Test) -> AnyRule<'a, T> {
+        match radii {
+            Radii::Uniform(r) if test.is_exact() => {
+                AnyRule::ExactUniform(ExactUniform::new(r.wide(), test))
+            }
+            Radii::Each(radii) if test.is_exact() => AnyRule::ExactEach(radii, test),
+            Radii::Uniform(r) => AnyRule::RoundedUniform(RoundedUniform::new(*r)),
+            Radii::Each(radii) => AnyRule::RoundedEach(RoundedEach { radii }),
+        }
+    }
 }
 
 impl<T: Real> Rule<T> for AnyRule<'_, T> {

@@ -1,6 +1,6 @@
 //! How much rounding changes the contact test. Filters must allow for that.
 //!
-//! Here u = 2^-53. Positions and radii convert to f64 without error from every storage
+//! Here u = 2^-53. Positions and radii convert to f64 without error from f32
 //! ([`Real::wide`]).
 //!
 //! **Reach.** The true distance of a pair that the test accepts is at most its *reach* R:
@@ -8,8 +8,7 @@
 //! * Exact test: R = ri + rj <= 2·rmax. Doubling is exact, or overflows to infinity, which is a
 //!   bound, too.
 //! * Rounded test in a precision with unit v = [`Real::UNIT`]: differences have a relative error of
-//!   at most v (2v by cells, where the difference of cell numbers is rounded, too), squares and
-//!   sums v each. Products may underflow by η, half the smallest subnormal. A pair is accepted only
+//!   at most v, squares and sums v each. Products may underflow by η, half the smallest subnormal. A pair is accepted only
 //!   if d²(1-v)^7 - 4η <= s²(1+v)^3 + η, hence d <= s(1 + 5v + O(v²)) + 3√η, which is below s(1 +
 //!   5.5v) + 3√η. [`Slack::reach`] returns 2·rmax(1 + 8v) + 4√η; the difference covers its own
 //!   rounding. If (2·rmax)² overflowed, the rounded test would accept everything: such scenes are

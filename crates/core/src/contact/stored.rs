@@ -1,21 +1,19 @@
 //! A view of a scene in any storage.
 
-use super::bodies::{AnyBodies, Plain, any_bodies, plain};
+use super::bodies::{AnyBodies, any_bodies};
 use super::{Bodies, Corners, Margin, Slack, Test};
 use crate::probe::Probe;
 use crate::refusal::Refusal;
-use crate::scene::{CellF32, Stored};
+use crate::scene::Stored;
 
 /// A scene in any storage whose contact test is chosen at run time, for each pair. Code that works
 /// on it is compiled once, for all storages and tests. If it is `TIMED`, positions are read inline.
 #[derive(Clone, Copy)]
 pub enum StoredBodies<'a, const D: usize, const TIMED: bool> {
     /// A scene in f32.
-    F32(Plain<'a, f32, D>),
+    F32(AnyBodies<'a, f32, D>),
     /// A scene in f64, which may have images.
     F64(AnyBodies<'a, f64, D>),
-    /// A scene by cells.
-    Cell(Plain<'a, CellF32, D>),
 }
 
 macro_rules! any {
@@ -23,7 +21,6 @@ macro_rules! any {
         match $stored {
             StoredBodies::F32($bodies) => $value,
             StoredBodies::F64($bodies) => $value,
-            StoredBodies::Cell($bodies) => $value,
         }
     };
 }
@@ -32,9 +29,8 @@ impl<'a, const D: usize, const TIMED: bool> StoredBodies<'a, D, TIMED> {
     /// Returns the scene with this test. Fails with [`Refusal::Overflow`] for a rounded test.
     pub fn new(scene: &'a Stored<'_, D>, test: Test) -> Result<Self, Refusal> {
         Ok(match scene {
-            Stored::F32(scene) => StoredBodies::F32(plain(scene, test)?),
+            Stored::F32(scene) => StoredBodies::F32(any_bodies(scene, test)?),
             Stored::F64(scene) => StoredBodies::F64(any_bodies(scene, test)?),
-            Stored::Cell(scene) => StoredBodies::Cell(plain(scene, test)?),
         })
     }
 

@@ -121,7 +121,6 @@ fn the_reach_of_two_classes_covers_accepted_pairs() {
                 let place = match &scene {
                     Stored::F32(scene) => scene.centres()[1].x.wide(),
                     Stored::F64(scene) => scene.centres()[1].x,
-                    Stored::Cell(_) => panic!("not asked for"),
                 };
                 (touch, reach, place)
             };

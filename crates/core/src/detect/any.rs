@@ -8,7 +8,7 @@ use crate::contact::{
 };
 use crate::pair_list::{Allowance, PairList};
 use crate::probe::{Probe, Silent, Tally};
-use crate::scene::{AnyScene, CellF32, Real, Scene, Stored};
+use crate::scene::{AnyScene, Real, Scene, Stored};
 use crate::sink::Sink;
 
 /// A detector of any algorithm, for scenes of both dimensions and all storages.
@@ -207,15 +207,9 @@ impl AnyDetector for Refuses {
 }
 
 /// A detector that accepts scenes in every storage.
-pub trait DetectorOfAll<const D: usize>:
-    Detector<f32, D> + Detector<f64, D> + Detector<CellF32, D>
-{
-}
+pub trait DetectorOfAll<const D: usize>: Detector<f32, D> + Detector<f64, D> {}
 
-impl<X, const D: usize> DetectorOfAll<D> for X where
-    X: Detector<f32, D> + Detector<f64, D> + Detector<CellF32, D>
-{
-}
+impl<X, const D: usize> DetectorOfAll<D> for X where X: Detector<f32, D> + Detector<f64, D> {}
 
 /// Runs a concrete detector on a scene in f64. Fails with the refusals of the detector and of
 /// [`with_bodies`].

@@ -17,7 +17,7 @@ use super::made::{Body, Made, tag};
 use super::near::{Candidate, Near, Reach, survey};
 use crate::contact::{Arithmetic, Corners, Slack};
 use crate::refusal::{Refusal, reserve};
-use crate::scene::{CellF32, Lattice, Radii, Scene, Storage, array};
+use crate::scene::{Lattice, Radii, Scene, Storage, array};
 use crate::wide::fill;
 
 /// Makes images and keeps its buffers from one scene to the next.
@@ -54,7 +54,6 @@ impl Budget {
         let numbers = D + usize::from(radii);
         let stored = match storage {
             Storage::F32 => size_of::<f32>() * numbers,
-            Storage::Cell => size_of::<CellF32>() * numbers,
             Storage::F64 => 0,
         };
         let (particles, each) = (given.len() as u64, size_of::<Body>() + 8 * numbers + stored);

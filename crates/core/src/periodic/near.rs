@@ -20,12 +20,10 @@
 //! guess was too low, there is a second pass.
 //!
 //! **Reach.** In exact arithmetic R = rj + rmax. A rounded arithmetic of unit v accepts pairs up to
-//! its own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively
-//! (f32-cell: by 2^-25 of a cell, which is twice the largest diameter or the extent in 2^19). An
+//! its own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively. An
 //! owner, at most Y from the origin, moves by less than 2vY, an image at distance d from it by less
 //! than 2v(Y + d). So d <= reach + 4vY + 2vd + ..., and R = (reach + 16v Y)(1 + 16v) is enough,
-//! with the sum of the largest coordinates for Y. For f32-cell and points the extent is below 4Y +
-//! 4R, and 2^-44 of it is negligible against 16v. Pairs beyond R are not accepted, so results do
+//! with the sum of the largest coordinates for Y. Pairs beyond R are not accepted, so results do
 //! not depend on which images are made.
 //!
 //! **Rounded positions.** Detectors use rounded positions in exact arithmetic: every particle and
@@ -44,7 +42,7 @@ use super::frame::{Frame, MOST, U, floor, off_by};
 use crate::contact::{Arithmetic, Corners, Slack};
 use crate::filter::cells::spacing;
 use crate::refusal::Refusal;
-use crate::scene::{CellF32, Real, Scene, Storage, array};
+use crate::scene::{Real, Scene, Storage, array};
 use crate::wide::{Kernel, Level, Wide, fill};
 
 /// The lowest and the highest number of T along each vector.
@@ -80,12 +78,6 @@ impl Reach {
         let (unit, slack) = match arithmetic.storage() {
             Storage::F64 => (f64::UNIT, Slack::rounded::<f64>()),
             Storage::F32 => (f32::UNIT, Slack::rounded::<f32>()),
-            Storage::Cell => {
-                // The slack is in units of a cell, which is at most four radii wide.
-                let slack = Slack::rounded::<CellF32>();
-                let absolute = slack.absolute * (4.0 * largest_radius).max(f64::MIN_POSITIVE);
-                (CellF32::UNIT, Slack { absolute, ..slack })
-            }
         };
         Reach { unit, slack, largest_radius }
     }

@@ -1,24 +1,18 @@
-//! Copies of the particles and images of a periodic scene in storages other than f64.
+//! Copies of the particles and images of a periodic scene in f32.
 
 use nalgebra::Point;
 
 use super::made::Made;
 use crate::contact::Arithmetic;
 use crate::refusal::{Refusal, reserve};
-use crate::scene::{AnyScene, ByCells, CellF32, Radii, Real, Scene, SceneError, Storage, Stored};
+use crate::scene::{AnyScene, Radii, Real, Scene, SceneError, Storage, Stored};
 use crate::wide::fill;
 
-/// Buffers for a copy in f32 or in cells.
+/// Buffers for a copy in f32.
 #[derive(Default)]
 pub struct Copies<const D: usize> {
-    single: Copied<f32, D>,
-    cells: Copied<CellF32, D>,
-}
-
-#[derive(Default)]
-struct Copied<T: Real, const D: usize> {
-    centres: Vec<Point<T, D>>,
-    radii: Vec<T>,
+    centres: Vec<Point<f32, D>>,
+    radii: Vec<f32>,
 }
 
 impl<const D: usize> Copies<D> {
@@ -32,48 +26,20 @@ impl<const D: usize> Copies<D> {
         made: &Made<'_, D>,
         arithmetic: Arithmetic,
     ) -> Result<Option<Stored<'_, D>>, Refusal> {
-        let refused = |error| refused(arithmetic, error);
-        match arithmetic.storage() {
-            Storage::F64 => Ok(None),
-            Storage::F32 => {
-                let scene = self.single.fill(made, |x, _| f32::place(x), f32::nearest)?;
-                Ok(Some(Stored::F32(scene.map_err(refused)?)))
-            }
-            Storage::Cell => {
-                let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-                for place in made.places() {
-                    for (k, &x) in place.iter().enumerate() {
-                        (low[k], high[k]) = (low[k].min(x), high[k].max(x));
-                    }
-                }
-                let empty = made.places().len() == 0;
-                let cells =
-                    ByCells::new((low, high), made.largest_radius, empty).map_err(refused)?;
-                let length = |r| cells.length(r);
-                let scene = self.cells.fill(made, |x, k| cells.coordinate(x, k), length)?;
-                Ok(Some(Stored::Cell(scene.map_err(refused)?)))
-            }
+        if arithmetic.storage() == Storage::F64 {
+            return Ok(None);
         }
-    }
-}
-
-impl<T: Real, const D: usize> Copied<T, D> {
-    fn fill(
-        &mut self,
-        made: &Made<'_, D>,
-        coordinate: impl Fn(f64, usize) -> T,
-        length: impl Fn(f64) -> T,
-    ) -> Result<Result<Scene<'_, T, D>, SceneError>, Refusal> {
-        let place = |x: &[f64; D]| Point::from(fill(|k| coordinate(x[k], k)));
+        let place = |x: &[f64; D]| Point::from(fill(|k| f32::nearest(x[k])));
         fit(&mut self.centres, made.places().map(place))?;
         let radii = match &made.radii {
-            Radii::Uniform(r) => Radii::Uniform(length(*r)),
+            Radii::Uniform(r) => Radii::Uniform(f32::nearest(*r)),
             Radii::Each(radii) => {
-                fit(&mut self.radii, radii.iter().map(|&r| length(r)))?;
+                fit(&mut self.radii, radii.iter().map(|&r| f32::nearest(r)))?;
                 Radii::Each(self.radii.as_slice().into())
             }
         };
-        Ok(Scene::new(self.centres.as_slice(), radii))
+        let scene = Scene::new(self.centres.as_slice(), radii);
+        Ok(Some(Stored::F32(scene.map_err(|error| refused(arithmetic, error))?)))
     }
 }
 

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 pub use contactbench_terms::arithmetic::Storage;
 
-use super::{CellF32, Radii, Real, Scene, SceneError};
+use super::{Radii, Real, Scene, SceneError};
 
 /// A scene whose dimension is fixed at compile time and whose storage is chosen at run time.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,8 +13,6 @@ pub enum Stored<'a, const D: usize> {
     F32(Scene<'a, f32, D>),
     /// Coordinates and radii in f64, as generators and readers return them.
     F64(Scene<'a, f64, D>),
-    /// Each coordinate as a cell number and an f32 offset, in units of the cell edge.
-    Cell(Scene<'a, CellF32, D>),
 }
 
 /// A scene whose dimension and storage are chosen at run time.
@@ -33,7 +31,6 @@ macro_rules! with_stored {
         match $stored {
             $crate::scene::Stored::F32($scene) => $body,
             $crate::scene::Stored::F64($scene) => $body,
-            $crate::scene::Stored::Cell($scene) => $body,
         }
     };
 }
@@ -83,7 +80,6 @@ impl<'a, const D: usize> Stored<'a, D> {
         match self {
             Stored::F64(scene) => Cow::Borrowed(scene),
             Stored::F32(scene) => Cow::Owned(scene.widened()),
-            Stored::Cell(scene) => Cow::Owned(scene.widened()),
         }
     }
 
@@ -91,7 +87,6 @@ impl<'a, const D: usize> Stored<'a, D> {
         with_stored!(self, scene => Ok(match storage {
             Storage::F32 => Stored::F32(scene.convert()?),
             Storage::F64 => Stored::F64(scene.widened()),
-            Storage::Cell => Stored::Cell(scene.widened().by_cells()?),
         }))
     }
 
@@ -99,7 +94,6 @@ impl<'a, const D: usize> Stored<'a, D> {
         match self {
             Stored::F32(scene) => Stored::F32(scene.reordered(order)),
             Stored::F64(scene) => Stored::F64(scene.reordered(order)),
-            Stored::Cell(scene) => Stored::Cell(scene.reordered(order)),
         }
     }
 }
@@ -161,8 +155,7 @@ impl<'a> AnyScene<'a> {
     /// [`Arithmetic`](crate::contact::Arithmetic).
     ///
     /// # Errors
-    /// Fails if a number overflows f32 ([`SceneError::Coordinate`], [`SceneError::Radius`]), or if
-    /// the scene spans too many cells ([`SceneError::Cells`]).
+    /// Fails if a number overflows f32 ([`SceneError::Coordinate`], [`SceneError::Radius`]).
     pub fn stored(&self, storage: impl Into<Storage>) -> Result<AnyScene<'static>, SceneError> {
         let storage = storage.into();
         Ok(match self {

@@ -15,7 +15,7 @@ use crate::wide::fill;
 pub use any::{AnyScene, Storage, Stored};
 pub use lattice::{Lattice, LatticeError};
 use nalgebra::Point;
-pub use scalar::{CellF32, Real, Work};
+pub use scalar::Real;
 
 /// Returns the coordinates of a point as an array.
 #[inline(always)]
@@ -121,12 +121,6 @@ pub enum SceneError {
     /// The numbers of centres and radii differ.
     #[error("{centres} centres but {radii} radii; give one radius per particle, or one for all")]
     Lengths { centres: usize, radii: usize },
-    /// The scene spans more cells than cell numbers allow.
-    #[error(
-        "along {axis} the scene spans 2^28 cells of edge {edge:e} or more ({low:e} to {high:e}); \
-         storage by cells holds fewer: use f64 or exact"
-    )]
-    Cells { axis: &'static str, low: f64, high: f64, edge: f64 },
     /// There are more particles than can be numbered.
     #[error("{n} particles; at most 2^32 - 1 = 4294967295 can be numbered: split the scene")]
     TooMany { n: usize },
@@ -235,7 +229,9 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
     /// # Errors
     /// Returns [`SceneError::Coordinate`] or [`SceneError::Radius`] if a number overflows.
     pub fn convert<U: Real>(&self) -> Result<Scene<'static, U, D>, SceneError> {
-        self.map(|x, _| U::place(x), U::nearest)
+        let place = |p: &Point<T, D>| Point::from(fill(|k| U::nearest(array(p)[k].wide())));
+        let centres: Vec<_> = self.centres.iter().map(place).collect();
+        Scene::new(centres, self.radii.map(|r| U::nearest(r.wide())))
     }
 
     /// Returns the scene in f64. This cannot fail, because every storage widens to f64 exactly.
@@ -244,89 +240,6 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         let centres = self.centres.iter().map(wide).collect();
         Scene { centres, radii: self.radii.map(Real::wide) }
     }
-
-    /// Returns a copy with every coordinate (passed with its axis) and every radius converted.
-    fn map<U: Real>(
-        &self,
-        coordinate: impl Fn(f64, usize) -> U,
-        length: impl Fn(f64) -> U,
-    ) -> Result<Scene<'static, U, D>, SceneError> {
-        let place = |p: &Point<T, D>| Point::from(fill(|k| coordinate(array(p)[k].wide(), k)));
-        let centres: Vec<_> = self.centres.iter().map(place).collect();
-        Scene::new(centres, self.radii.map(|r| length(r.wide())))
-    }
-}
-
-impl<const D: usize> Scene<'_, f64, D> {
-    /// Stores the scene by cells, in units of the cell's edge. The edge is the smallest power of
-    /// two that is at least the largest diameter and 2^-1022; for points, the scene spans up to
-    /// 2^20 cells. Cells are numbered from the cell of the lowest coordinate. Cell numbers are
-    /// exact; offsets are rounded by at most 2^-25 of an edge.
-    ///
-    /// # Errors
-    /// Returns [`SceneError::Cells`] if there are 2^28 or more cells along an axis.
-    pub fn by_cells(&self) -> Result<Scene<'static, CellF32, D>, SceneError> {
-        let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-        for centre in self.centres.iter() {
-            for (k, &x) in array(centre).iter().enumerate() {
-                (low[k], high[k]) = (low[k].min(x), high[k].max(x));
-            }
-        }
-        let cells = ByCells::new((low, high), self.largest_radius(), self.is_empty())?;
-        self.map(|x, k| cells.coordinate(x, k), |r| cells.length(r))
-    }
-}
-
-/// Conversion of coordinates and lengths to storage by cells: see [`Scene::by_cells`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ByCells<const D: usize> {
-    edge: f64,
-    first: [f64; D],
-}
-
-impl<const D: usize> ByCells<D> {
-    /// Creates the conversion for a scene between two corners.
-    pub fn new(
-        (low, high): ([f64; D], [f64; D]),
-        largest_radius: f64,
-        empty: bool,
-    ) -> Result<ByCells<D>, SceneError> {
-        let diameter = 2.0 * largest_radius;
-        // Coordinates are halved, so that the extent does not overflow.
-        let extent = (0..D).map(|k| 0.5 * high[k] - 0.5 * low[k]).fold(0.0, f64::max)
-            * (1.0 / (1u64 << 19) as f64);
-        let edge =
-            [diameter, extent, 1.0].into_iter().find(|&size| size > 0.0).map_or(1.0, power_of_two);
-        let first = low.map(|x| (x / edge).floor());
-        for k in 0..D {
-            let cells = (high[k] / edge).floor() - first[k];
-            // The condition is also true if a quotient overflows and the difference is NaN.
-            if !(cells < CellF32::MOST_CELLS || empty) {
-                return Err(SceneError::Cells {
-                    axis: ["x", "y", "z"][k.min(2)],
-                    low: low[k],
-                    high: high[k],
-                    edge,
-                });
-            }
-        }
-        Ok(ByCells { edge, first })
-    }
-
-    pub fn coordinate(&self, x: f64, k: usize) -> CellF32 {
-        let x = x / self.edge;
-        CellF32::at(x.floor() - self.first[k], x - x.floor())
-    }
-
-    pub fn length(&self, r: f64) -> CellF32 {
-        CellF32::nearest(r / self.edge)
-    }
-}
-
-/// Returns the smallest power of two that is at least `x` and a normal number.
-fn power_of_two(x: f64) -> f64 {
-    let below = f64::from_bits(x.clamp(f64::MIN_POSITIVE, f64::MAX).to_bits() & (0x7ff << 52));
-    if below < x && below < f64::MAX / 2.0 { 2.0 * below } else { below }
 }
 
 #[cfg(test)]
@@ -356,44 +269,6 @@ mod tests {
                 let least = if n == 1 || least == largest { at((largest + 1) % n) } else { 1.0 };
                 assert_eq!(extremes(n, at), Some((least, 9.0)), "{n}");
             }
-        }
-    }
-
-    #[test]
-    fn scenes_too_large_for_cells_are_refused_and_others_are_not() {
-        let stored =
-            |points: &[[f64; 2]], r: f64| Scene::at(points.iter().copied(), r).unwrap().by_cells();
-        assert!(matches!(
-            stored(&[[0.0, 0.0], [0.0, 3e8]], 0.5),
-            Err(SceneError::Cells { axis: "y", .. })
-        ));
-        assert!(stored(&[[0.0, 0.0], [0.0, 2e8]], 0.5).is_ok());
-        assert!(matches!(
-            stored(&[[f64::MAX, 0.0], [-f64::MAX, 3e8]], 1e-300),
-            Err(SceneError::Cells { axis: "x", .. })
-        ));
-        for points in [
-            &[][..],
-            &[[1e300, -1e300]],
-            &[[5.0, 5.0], [5.0, 5.0]],
-            &[[0.0, 0.0], [1e-310, 7.0]],
-            &[[-0.0, 0.0], [-5e-324, 0.0]],
-        ] {
-            assert!(stored(points, 0.0).is_ok(), "{points:?}");
-        }
-        assert!(stored(&[[0.0, 0.0], [f64::MAX, 0.0]], f64::MAX).is_ok());
-    }
-
-    #[test]
-    fn powers_of_two_are_not_below_the_size() {
-        for (size, power) in [
-            (1.0, 1.0),
-            (1.5, 2.0),
-            (0.1, 0.125),
-            (f64::MIN_POSITIVE / 2.0, f64::MIN_POSITIVE),
-            (f64::INFINITY, 2f64.powi(1023)),
-        ] {
-            assert_eq!(power_of_two(size), power, "{size}");
         }
     }
 }

@@ -25,7 +25,7 @@ pub struct CellId {
     pub order: String,
     pub n: u64,
     pub seed: u64,
-    /// Arithmetic: f32, f32-cell, textbook, f64 or exact.
+    /// Arithmetic: f32, textbook, f64 or exact.
     pub arithmetic: String,
     #[serde(default)]
     pub resources: Resources,

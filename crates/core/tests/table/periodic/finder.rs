@@ -105,7 +105,6 @@ fn images_fit_in_the_formula_bytes() {
             let (bytes, images) = (finder.formula_bytes(), finder.images());
             let stored = match arithmetic {
                 Arithmetic::F32 => 4,
-                Arithmetic::F32Cell => 8,
                 _ => 0,
             };
             let bodies = 1000 + images;

@@ -23,15 +23,10 @@ pub fn ring(canvas: &mut Canvas, (x, y): Point) {
     canvas.line(&points, INK, 1.8);
 }
 
-/// Draws the shape of an arithmetic. Arithmetics that decide alike (f32 and f32-cell, textbook and
-/// f64) have shapes that differ even if they overlap.
+/// Draws the shape of an arithmetic. Arithmetics that decide alike (textbook and f64) have shapes that differ even if they overlap.
 pub fn shape(canvas: &mut Canvas, (x, y): Point, r: f64, arithmetic: &str, colour: Colour) {
     match arithmetic {
         "f32" => canvas.cross(slanted((x, y), r), colour),
-        "f32-cell" => canvas.fill(
-            &[(x, y - 1.2 * r), (x + 1.15 * r, y + 0.85 * r), (x - 1.15 * r, y + 0.85 * r)],
-            colour,
-        ),
         "textbook" => canvas.frame((x - r, y - r), (x + r, y + r), 1.6, colour),
         "f64" => canvas.disc((x, y), r, colour),
         "exact" => {
