@@ -65,33 +65,23 @@
 //! of the reach. A computed square of a displacement becomes a bound by 5, and sums of bounds are
 //! rounded up; an infinite bound exceeds any skin. Positions are known without error in every
 //! storage (1), so nothing else depends on the arithmetic. The inequality concerns numbers as
-//! stored, whatever they mean: positions by cells may change their origin between frames.
+//! stored.
 //!
-//! **8. Lists kept in a periodic box,** whose vectors H may change from frame to frame
-//! ([`crate::track`]; exact tests). A list has all triples (i, j, S) whose particles, i and the
-//! image of j by S·H, were at most ri + rj + s + E apart when it was built; then H was H0 and
-//! particles were at y. In a frame, let z = x + W·H be the position of a particle for any integers
-//! W: triples of z are those of x with another S. Let F be linear with F H0v = Hv for each vector,
-//! and d the displacement of z from F y. F y is where the particle would be if it had moved with
-//! the box (which may itself be carried along: only differences count). For every S
+//! **8. Lists kept in a periodic box** whose vectors H stay ([`crate::track`]; exact tests). A list
+//! has all triples (i, j, S) whose particles, i and the image of j by S·H, were at most ri + rj + s +
+//! E apart when it was built; then particles were at y. In a frame, let z = x + W·H be the position
+//! of a particle for any integers W: triples of z are those of x with another S. Let d be the
+//! displacement of z from y. For every S
 //!
 //! ```text
-//! zi - zj - S·H  =  F (yi - yj - S·H0)  +  (zi - F yi)  -  (zj - F yj)
+//! zi - zj - S·H  =  (yi - yj - S·H)  +  (zi - yi)  -  (zj - yj)
 //! ```
 //!
-//! and with c such that |F v| >= c |v|, a triple that is not listed is farther apart than c (ri +
-//! rj + s + E) - di - dj. This exceeds ri + rj while di + dj <= s + E - t, with t = (1 - c) (2
-//! rmax + s + E). So the rules of 7 hold for a skin of s - t, as long as no two displacements
-//! together are computed too short by more than E.
-//!
-//! F is 1 + the sum over the vectors of (Hv - H0v) gv, with gv the duals of H0. c is the root of
-//! 1 + 2a with a <= 0 and a at most the least eigenvalue of the symmetric part of F - 1. The
-//! products of the computed duals with H0 show how far they are from exact duals. In a box that
-//! keeps its vectors F = 1 and t = 0. A shear by γ takes about γ / 2 of a diameter from the skin,
-//! however large the box is. (LAMMPS uses the displacements of the box corners, `neighbor.cpp`, and
-//! counts those of particles including the motion of the box.) The sum of the displacements in each
-//! frame concerns z, not z - F y. *Summed* still holds, since it is clamped at the largest
-//! displacement from F y; it also counts motion with the box.
+//! so a triple that is not listed is farther apart than ri + rj + s + E - di - dj. This exceeds ri +
+//! rj while di + dj <= s + E. So the rules of 7 hold, as long as no two displacements together are
+//! computed too short by more than E. If a vector changes, the list is rebuilt. The sum of the
+//! displacements in each frame concerns z of the same W; *summed* still holds for others, since it
+//! is clamped at the largest displacement from y.
 
 pub mod bounds;
 pub mod cells;

@@ -3,10 +3,10 @@
 //! A list in a box holds triples (i, j, S): particle i near the image of j shifted by S box
 //! vectors. In a later frame a particle may be given by another image, because it left through one
 //! face and entered through the opposite one. An integer shift W then brings it near the position
-//! where it would be without that jump; W·H uses the box H of that frame. The choice of W affects
+//! where it would be without that jump. The choice of W affects
 //! how long the list serves, never the contacts. For the given positions (i, j, S) means (i, j, S +
 //! Wj - Wi), which is decided exactly. [`crate::filter`], section 8, proves that no contact is
-//! missed, even if the box is sheared or compressed.
+//! missed. If a vector of the box changes, the list is rebuilt.
 
 use nalgebra::Point;
 
@@ -24,18 +24,14 @@ use crate::wide::fill;
 pub(super) struct Around<const D: usize> {
     /// The box when the list was built, or `None` in open space.
     then: Option<Lattice>,
-    /// Largest sum of the absolute coordinates of a centre when the list was built.
-    far: f64,
     now: Vectors<D>,
-    /// Change of the box since the list was built, if any.
-    strain: Option<Strain<D>>,
     /// Listed triples (i, j, S) with S other than 0, numbered by places.
     pub through: Vec<ImagePair>,
     /// Place and W of each particle with W other than 0 in this frame, in ascending order.
     brought: Vec<(u32, [i32; 3])>,
     /// One bit per place: set if the particle has a W other than 0 (is in `brought`).
     marks: Vec<u64>,
-    /// Bound for the rounding error of a displacement, caused by W and by the motion of the box.
+    /// Bound for the rounding error of a displacement, caused by W.
     off: f64,
 }
 
@@ -102,75 +98,6 @@ impl<const D: usize> Vectors<D> {
 /// Bound for the relative rounding error of a sum of a dozen terms.
 const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 
-/// The linear map F = 1 + A from the box vectors when the list was built to those of this frame.
-struct Strain<const D: usize> {
-    /// The matrix A of the map F = 1 + A.
-    by: [[f64; D]; D],
-    /// Corner of the box when the list was built; `to` is its corner in this frame.
-    from: [f64; D],
-    to: [f64; D],
-    /// Lower bound for |F v| / |v| over all vectors v.
-    least: f64,
-    /// Bound for the error of a centre mapped by F.
-    off: f64,
-}
-
-impl<const D: usize> Strain<D> {
-    /// Computes the map F, or returns `None` if the list must be rebuilt. No centre may have been
-    /// farther than `far` from the origin.
-    fn new(then: &Lattice, now: &Lattice, far: f64) -> Option<Strain<D>> {
-        let mut by = [[0.0; D]; D];
-        // Bound for the error of A as a map.
-        let mut error = 0.0;
-        let repeats = || (0..3).filter(|&v| now.periodic()[v]);
-        let size = |of: &[f64; 3]| of[..D].iter().map(|x| x.abs()).sum::<f64>();
-        let moved: [f64; 3] = fill(|k| now.origin()[k] - then.origin()[k]);
-        let from: [f64; D] = fill(|k| then.origin()[k]);
-        let mut to = from;
-        for v in repeats() {
-            let (old, new, dual) = (then.vectors()[v], now.vectors()[v], then.dual(v));
-            let change: [f64; 3] = fill(|k| new[k] - old[k]);
-            for (k, row) in by.iter_mut().enumerate() {
-                (0..D).for_each(|l| row[l] += change[k] * dual[l]);
-            }
-            // Product of a dual with a vector; its deviation from 1 or 0 is the error of the dual.
-            let product = |of: &[f64; 3]| (0..D).map(|k| dual[k] * of[k]).sum::<f64>();
-            let beside = repeats().map(|b| {
-                let vector = &then.vectors()[b];
-                let rest = (product(vector) - if b == v { 1.0 } else { 0.0 }).abs();
-                2.0 * (rest + ROUNDING * size(&dual) * size(vector)) / then.height(b)
-            });
-            error += size(&change) * (beside.sum::<f64>() + ROUNDING * size(&dual));
-            // A corner that moves along an open axis does not move particles.
-            let along = product(&moved);
-            (0..D).for_each(|k| to[k] += along * old[k]);
-        }
-        // |F v|² = |v|² + 2 v·A v + |A v|². By Gershgorin, no eigenvalue of the symmetric part of A
-        // is below the lower end of its discs.
-        let lowest = (0..D).map(|k| {
-            let beside = |l: usize| 0.5 * (by[k][l] + by[l][k]).abs();
-            by[k][k] - (0..D).filter(|&l| l != k).map(beside).sum::<f64>()
-        });
-        let lowest = lowest.fold(0.0, f64::min) - 2.0 * error - ROUNDING;
-        let least = (1.0 + 2.0 * lowest).sqrt() * (1.0 - ROUNDING);
-        let sum = |of: &[f64; D]| of.iter().map(|x| x.abs()).sum::<f64>();
-        let far = far + sum(&from);
-        let entries: f64 = by.iter().map(sum).sum();
-        let off = error * far + ROUNDING * ((1.0 + entries) * far + sum(&to));
-        // The map fails if the box is compressed to nothing or numbers overflow.
-        (least > 0.0 && off < f64::INFINITY).then_some(Strain { by, from, to, least, off })
-    }
-
-    /// Returns where a particle would be if it had only moved with the box.
-    fn carried(&self, at: &Point<f64, D>) -> Point<f64, D> {
-        let off: [f64; D] = fill(|k| at[k] - self.from[k]);
-        Point::from(fill(|k| {
-            let more: f64 = (0..D).map(|l| self.by[k][l] * off[l]).sum();
-            self.to[k] + (off[k] + more)
-        }))
-    }
-}
-
 impl<const D: usize> Around<D> {
     /// Prepares for a list in this box, or in open space. Returns the margin that must be added to
     /// the distances of the list, because particles may be shifted later.
@@ -182,18 +109,17 @@ impl<const D: usize> Around<D> {
     ) -> Result<f64, Refusal> {
         self.through.clear();
         self.brought.clear();
-        self.strain = None;
         self.then = lattice.copied();
         self.off = 0.0;
         let Some(lattice) = lattice else { return Ok(0.0) };
         self.now = Vectors::new(lattice);
-        self.far = (0..D).map(|k| low[k].abs().max(high[k].abs())).sum();
+        let far: f64 = (0..D).map(|k| low[k].abs().max(high[k].abs())).sum();
         let marks = places.div_ceil(64);
         self.marks.clear();
         reserve(&mut self.marks, marks)?;
         self.marks.resize(marks, 0);
         // The margin covers images a few dozen boxes away.
-        Ok(64.0 * ROUNDING * (self.far + self.now.size([1; 3])))
+        Ok(64.0 * ROUNDING * (far + self.now.size([1; 3])))
     }
 
     /// Returns whether the list remains valid in this box, and if so prepares to shift particles.
@@ -202,18 +128,13 @@ impl<const D: usize> Around<D> {
         if repeats(lattice) != repeats(self.then.as_ref()) {
             return false;
         }
-        self.strain = None;
         let (Some(now), Some(then)) = (lattice, &self.then) else { return true };
         if (0..3).any(|v| now.periodic()[v] && now.vectors()[v] != then.vectors()[v]) {
-            self.strain = Strain::new(then, now, self.far);
-            if self.strain.is_none() {
-                return false;
-            }
+            return false;
         }
-        self.now = Vectors::new(now);
         self.brought.clear();
         self.marks.fill(0);
-        self.off = self.strain.as_ref().map_or(0.0, |strain| strain.off);
+        self.off = 0.0;
         true
     }
 
@@ -222,32 +143,15 @@ impl<const D: usize> Around<D> {
     }
 
     /// Shifts the particles at places from `first` on back to where they would be if they had not
-    /// jumped through faces. Returns the positions from which displacements are measured: the
-    /// earlier ones, moved with the box.
-    pub fn bring<'a>(
-        &mut self,
-        at: &mut [Point<f64, D>],
-        then: &'a [Point<f64, D>],
-        first: usize,
-        room: &'a mut [Point<f64, D>],
-    ) -> &'a [Point<f64, D>] {
-        let from = match &self.strain {
-            Some(strain) => {
-                for (to, then) in room.iter_mut().zip(then) {
-                    *to = strain.carried(then);
-                }
-                &room[..then.len()]
-            }
-            None => then,
-        };
+    /// jumped through faces.
+    pub fn bring(&mut self, at: &mut [Point<f64, D>], then: &[Point<f64, D>], first: usize) {
         let far = self.now.far;
-        for (k, (at, from)) in at.iter_mut().zip(from).enumerate() {
-            let gone = (0..D).fold(0.0f64, |most, k| most.max((at[k] - from[k]).abs()));
+        for (k, (at, then)) in at.iter_mut().zip(then).enumerate() {
+            let gone = (0..D).fold(0.0f64, |most, k| most.max((at[k] - then[k]).abs()));
             if gone > far {
-                self.bring_one(at, from, first + k);
+                self.bring_one(at, then, first + k);
             }
         }
-        from
     }
 
     #[cold]
@@ -260,8 +164,7 @@ impl<const D: usize> Around<D> {
             return;
         }
         let far: f64 = array(at).iter().map(|x| x.abs()).sum();
-        let carried = self.strain.as_ref().map_or(0.0, |strain| strain.off);
-        let off = carried + ROUNDING * (far + self.now.size(by));
+        let off = ROUNDING * (far + self.now.size(by));
         // If memory does not suffice to record the shift, the list becomes invalid.
         let room = self.brought.try_reserve(1).is_ok();
         self.off = self.off.max(if room { off } else { f64::INFINITY });
@@ -273,19 +176,9 @@ impl<const D: usize> Around<D> {
         self.marks[place / 64] |= 1 << (place % 64);
     }
 
-    /// Returns the bound for the rounding error of the shifted particles, and of the positions from
-    /// which displacements are measured.
+    /// Returns the bound for the rounding error of the shifted particles.
     pub fn off(&self) -> f64 {
         self.off
-    }
-
-    /// Returns how much the change of the box may have reduced a distance of at most `distance`,
-    /// apart from the particles' own displacements.
-    pub fn nearer(&self, distance: f64) -> f64 {
-        match &self.strain {
-            Some(strain) => ((1.0 - strain.least) * distance * (1.0 + ROUNDING)).next_up(),
-            None => 0.0,
-        }
     }
 
     /// Returns how much shifted particles widen the uncertainty of distances.

@@ -97,7 +97,7 @@ impl<const D: usize> Kept<D> {
             return None;
         }
         let (first, second) = (at_most(top.first), at_most(top.second));
-        // The sum is at least the largest displacement, as in real numbers, even in moving boxes.
+        // The sum is at least the largest displacement, as in real numbers.
         self.summed = (self.summed + at_most(step.first)).next_up().max(first);
         self.age = Some(age);
         Some((age, Displacements { square: top.first, first, second, summed: self.summed }))
@@ -215,12 +215,6 @@ impl<const D: usize> Kept<D> {
         self.listed.len() as u64 + self.around.through.len() as u64
     }
 
-    /// Returns how much the change of the box may have reduced the distance of an unlisted pair
-    /// that is now within `reach`: see [`Around::nearer`].
-    pub fn nearer(&self, reach: f64) -> f64 {
-        self.around.nearer(reach + self.skin() + self.rounding)
-    }
-
     /// Appends the listed pairs that touch in this frame to `pairs`. Returns the number of tests
     /// that used exact arithmetic.
     pub fn pass<T: Real, B: Bodies<T, D>>(&self, bodies: B, pairs: &mut PairList<'_>) -> u64 {
@@ -274,7 +268,7 @@ impl<T: Real, const D: usize> Kernel for Follow<'_, T, D> {
         let (top, step, unit) = (TopTwo::default(), TopTwo::default(), kept.unit.begun());
         let mut seen = Seen { unit, top, step, looks, last: &mut kept.last };
         if kept.around.is_box() {
-            let (mut block, mut carried) = ([Point::origin(); BLOCK], [Point::origin(); BLOCK]);
+            let mut block = [Point::origin(); BLOCK];
             let blocks = kept.spots.chunks_mut(BLOCK).zip(kept.then.chunks(BLOCK));
             for (k, (spots, then)) in blocks.enumerate() {
                 // This loop only reads memory, so that many reads wait at the same time.
@@ -282,7 +276,7 @@ impl<T: Real, const D: usize> Kernel for Follow<'_, T, D> {
                     *at = wide(&centres[spot.id as usize]);
                 }
                 let at = &mut block[..spots.len()];
-                let then = kept.around.bring(at, then, k * BLOCK, &mut carried);
+                kept.around.bring(at, then, k * BLOCK);
                 for (j, ((spot, at), then)) in spots.iter_mut().zip(&*at).zip(then).enumerate() {
                     seen.put(spot, at, then, k * BLOCK + j);
                 }

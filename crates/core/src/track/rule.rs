@@ -100,13 +100,13 @@ impl Rule {
         }
     }
 
-    /// Returns whether a list must be rebuilt at this age. A negative skin forces a rebuild.
+    /// Returns whether a list must be rebuilt at this age.
     pub(super) fn is_due(self, age: u32, displacements: &Displacements, skin: f64) -> Due {
         let build = match self {
             Rule::HalfSkin | Rule::TopTwo | Rule::Summed => self.approach(displacements) > skin,
             Rule::Every(k) => age >= k,
             Rule::Lammps { delay, every, check } => {
-                let gone = skin < 0.0 || displacements.square > 0.25 * skin * skin;
+                let gone = displacements.square > 0.25 * skin * skin;
                 let build = self.may_build(age) && (!check || gone);
                 return Due { build, dangerous: build && check && age == delay.max(every) };
             }

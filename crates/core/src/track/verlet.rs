@@ -207,12 +207,10 @@ impl Work<'_> {
         let rounding = 2.0 * largest * slack.relative + slack.absolute;
         let mut step = Step { built: true, ..Step::default() };
         if let Some((age, displacements)) = kept.follow(scene, self.lattice, self.rule, rounding) {
-            let nearer = kept.nearer(2.0 * largest);
-            let left = if nearer > 0.0 { (kept.skin() - nearer).next_down() } else { kept.skin() };
-            let due = self.rule.is_due(age, &displacements, left);
+            let due = self.rule.is_due(age, &displacements, kept.skin());
             (step.built, step.dangerous) = (due.build, due.dangerous);
             if let Thick::By(tuner) = &mut self.skin {
-                let gone = self.rule.approach(&displacements) + nearer;
+                let gone = self.rule.approach(&displacements);
                 let served = served(kept, (scene.len(), 2.0 * largest), self.touching, age, gone);
                 step.built |= tuner.is_too_thick(&served);
                 if step.built {
