@@ -2,7 +2,7 @@
 
 use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::any::AnyDetector;
-use contactbench::detect::table::{DetectorSpec, Entry, TABLE, find, parse};
+use contactbench::detect::table::{DetectorSpec, Entry, TABLE, find};
 use contactbench::detect::{Options, Refusal};
 use contactbench::periodic::{Contacts, Finder, Periodic};
 use contactbench::run::runner::alloc::{Usage, measure};

@@ -50,21 +50,13 @@ fn answer<const D: usize>(
     digest
 }
 
-fn in_form<const D: usize>(level: Level, form: Option<Form>) -> Streamed<D> {
-    let detector = Streamed::<D>::on(level, Options::default());
-    match form {
-        Some(form) => detector.in_form(form),
-        None => detector,
-    }
-}
-
 /// Compares the answers of all forms and levels; returns the number of answers compared.
 fn compare<const D: usize>(what: &str, scene: &Stored<'_, D>, test: Test) -> usize {
     let truth = answer(&mut Direct::with(Options::default()), scene, test);
     let mut compared = 0;
     for level in Level::all() {
         for form in [None, Some(Form::Dense), Some(Form::Flat), Some(Form::Sparse)] {
-            let mut detector = in_form(level, form);
+            let mut detector = Streamed::on(level, form, Options::default());
             let what = format!("{what} on {} in form {form:?}", level.name());
             assert_eq!(answer(&mut detector, scene, test), truth, "{what}");
             // Later rounds use the buffers of the first. Pairs are written in the space of a list,
@@ -237,7 +229,7 @@ struct Counting<'a>(&'a AtomicU64, &'a mut Digest);
 impl WithBodies<f64, 3> for Counting<'_> {
     type Output = Result<(), Refusal>;
     fn call<B: Bodies<f64, 3>>(self, bodies: B) -> Self::Output {
-        let mut detector = Streamed::<3>::on(Level::best(), Options::default());
+        let mut detector = Streamed::<3>::on(Level::best(), None, Options::default());
         detector.detect(Counted(bodies, self.0), &mut Silent, self.1)
     }
 }
@@ -272,12 +264,20 @@ fn counts_are_the_same_on_all_levels() {
                 let (mut tally, mut digest) = (Tally::default(), Digest::default());
                 let (probe, sink) = (&mut tally, &mut digest);
                 match &scene {
-                    AnyScene::Plane(scene) => {
-                        run_stored(&mut in_form(level, Some(form)), scene, Test::Exact, probe, sink)
-                    }
-                    AnyScene::Space(scene) => {
-                        run_stored(&mut in_form(level, Some(form)), scene, Test::Exact, probe, sink)
-                    }
+                    AnyScene::Plane(scene) => run_stored(
+                        &mut Streamed::on(level, Some(form), Options::default()),
+                        scene,
+                        Test::Exact,
+                        probe,
+                        sink,
+                    ),
+                    AnyScene::Space(scene) => run_stored(
+                        &mut Streamed::on(level, Some(form), Options::default()),
+                        scene,
+                        Test::Exact,
+                        probe,
+                        sink,
+                    ),
                 }
                 .unwrap();
                 assert!(tally.get(Op::ContactTest) >= digest.contacts);
@@ -337,7 +337,11 @@ fn pairs_where_floats_are_coarse() {
             let truth = answer(&mut Nbs::<2>::with(Options::default()), &scene, Test::Exact);
             for level in Level::all() {
                 for form in [Form::Dense, Form::Flat] {
-                    let found = answer(&mut in_form(level, Some(form)), &scene, Test::Exact);
+                    let found = answer(
+                        &mut Streamed::on(level, Some(form), Options::default()),
+                        &scene,
+                        Test::Exact,
+                    );
                     let what = (level.name(), form, diameter, turned);
                     assert_eq!(found, truth, "{what:?}");
                 }

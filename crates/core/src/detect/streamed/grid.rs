@@ -66,15 +66,17 @@ pub(super) struct Grid<const D: usize> {
     pub flat: bool,
 }
 
-/// How a grid finds the neighbours of a particle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
-    /// Reads an array over all cells of a grid.
-    Dense,
-    /// Reads an array over the columns of a grid, whose second axis is not divided.
-    Flat,
-    /// Sorts particles by cell and stores no array over cells.
-    Sparse,
+contactbench_terms::named! {
+    /// How a grid finds the neighbours of a particle.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Form {
+        /// Reads an array over all cells of a grid.
+        Dense = "dense",
+        /// Reads an array over the columns of a grid, whose second axis is not divided.
+        Flat = "flat",
+        /// Sorts particles by cell and stores no array over cells.
+        Sparse = "sparse",
+    }
 }
 
 type Corners<const D: usize> = ([f64; D], [f64; D]);

@@ -119,12 +119,14 @@ impl<const D: usize, R> Default for Buffers<D, R> {
 }
 
 impl<const D: usize> Streamed<D> {
-    /// Creates a detector that uses the vector instructions of `level`.
-    pub fn on(level: Level, options: Options) -> Streamed<D> {
+    /// Creates a detector that uses the vector instructions of `level`, and this form for all
+    /// scenes, if given. If there are too many columns, cells are used; if there are too many cells,
+    /// the sparse form. If there are size classes, columns become cells.
+    pub fn on(level: Level, form: Option<Form>, options: Options) -> Streamed<D> {
         Streamed {
             options,
             level,
-            form: None,
+            form,
             workers: Vec::new(),
             uniform: Buffers::default(),
             each: Buffers::default(),
@@ -132,19 +134,13 @@ impl<const D: usize> Streamed<D> {
             formula: 0,
         }
     }
-
-    /// Sets the form for all scenes. If there are too many columns, cells are used; if there are
-    /// too many cells, the sparse form. If there are size classes, columns become cells.
-    pub fn in_form(self, form: Form) -> Streamed<D> {
-        Streamed { form: Some(form), ..self }
-    }
 }
 
 impl<const D: usize> Declare for Streamed<D> {
     const DECIDES_FROM_COPIES: bool = true;
 
     fn with(options: Options) -> Streamed<D> {
-        Streamed::on(Level::best(), options)
+        Streamed::on(Level::best(), None, options)
     }
 
     fn formula_bytes(&self) -> u64 {

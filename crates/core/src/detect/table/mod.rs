@@ -278,17 +278,11 @@ fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
             }
         },
     };
-    let form = match params.get("form").map(String::as_str) {
-        Some("dense") => Some(Form::Dense),
-        Some("flat") => Some(Form::Flat),
-        Some("sparse") => Some(Form::Sparse),
-        _ => None,
-    };
-    let (plane, space) = (Streamed::<2>::on(level, options), Streamed::<3>::on(level, options));
-    match form {
-        None => Both::join(plane, space, options),
-        Some(form) => Both::join(plane.in_form(form), space.in_form(form), options),
-    }
+    let form =
+        params.get("form").and_then(|name| Form::ALL.into_iter().find(|it| it.name() == name));
+    let (plane, space) =
+        (Streamed::<2>::on(level, form, options), Streamed::<3>::on(level, form, options));
+    Both::join(plane, space, options)
 }
 
 fn hgrid(params: &Params, options: Options) -> Box<dyn AnyDetector> {
