@@ -24,7 +24,7 @@ pub mod your_detector;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use measuring::{compare, map, merge, report, run, site};
+use measuring::{compare, merge, report, run, site};
 pub use shared::terminal::say;
 use your_detector::{check, new_detector, runner, trace};
 
@@ -128,11 +128,6 @@ verbs! {
         Merge(merge::Merge) => merge::merge,
             ["merge part-1 part-2 -o whole"],
             "docs/CLUSTER.md";
-        /// Draws which detector is the fastest over two variables
-        Map(map::Map) => map::map,
-            ["map results/before --x n --y density",
-             "map laptop server --x n --y density --where dim=2 -o map.svg"],
-            "docs/EXPERIMENTS.md";
         /// Makes a static site of all records in a folder
         Site(site::Site) => site::site,
             ["site results -o site"],

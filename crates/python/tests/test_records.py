@@ -9,7 +9,7 @@ import pytest
 
 import contactbench
 
-RESULTS = pathlib.Path(__file__).parents[3] / "results" / "reference-maps" / "motion"
+RESULTS = pathlib.Path(__file__).parents[3] / "results" / "reference-motion" / "motion"
 
 
 @pytest.mark.parametrize("library", ["pandas", "polars"])

@@ -1,7 +1,6 @@
 //! Verbs that measure, and those that read records.
 
 pub mod compare;
-pub mod map;
 pub mod merge;
 pub mod report;
 pub mod run;

@@ -88,7 +88,7 @@ mod tests {
     use super::*;
     use crate::cells;
     use crate::cells::testing::Lab;
-    use crate::findings::map::testing::filter as parsed;
+    use crate::cells::testing::filter as parsed;
 
     #[test]
     fn every_kind_of_entry_selects() {

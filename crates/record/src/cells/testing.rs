@@ -7,7 +7,7 @@ use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::scene::Stats;
 
 use crate::cells::{Cell, cells};
-use crate::experiment::{Document, Experiment, Planned, PlannedSubject};
+use crate::experiment::{Document, Experiment, Planned, PlannedSubject, Where};
 use crate::record::id::CellId;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass, Row};
@@ -148,7 +148,7 @@ pub fn experiment(rest: &str) -> Experiment {
 }
 
 pub fn read(text: &str) -> Experiment {
-    Document::read(text).unwrap_or_else(|error| panic!("{error:#}")).0
+    Document::read(text, false).unwrap_or_else(|error| panic!("{error:#}")).0
 }
 
 pub fn planned(scene: &str, detectors: &[&str], params: &[Params]) -> Planned {
@@ -170,3 +170,9 @@ pub fn planned(scene: &str, detectors: &[&str], params: &[Params]) -> Planned {
 }
 
 type Params = BTreeMap<String, AxisValue>;
+
+pub fn filter(text: &str) -> Where {
+    let claim =
+        format!("[[claim]]\nname = 'x'\nkind = 'constant'\nvalue = 'n'\nwhere = {{ {text} }}");
+    experiment(&claim).claims[0].filter.clone()
+}

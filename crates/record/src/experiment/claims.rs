@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{bail, ensure};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 
@@ -136,53 +135,6 @@ impl Claim {
     }
 }
 
-/// Parses a filter from the command line, such as `scene=packed,loose` and `n>=1000`. Each name may
-/// occur once.
-pub fn parse_where(entries: &[String]) -> anyhow::Result<Where> {
-    let mut filter = Where::new();
-    for entry in entries {
-        let must =
-            "it must be NAME=VALUE, NAME=VALUE,VALUE, or NAME and a comparison, as in n>=1000";
-        let at = entry.find(['<', '>', '=', '!']).filter(|&at| at > 0);
-        let Some((name, rest)) = at.map(|at| entry.split_at(at)) else {
-            bail!("--where {entry}: {must}")
-        };
-        let values: Vec<toml::Value> = match rest.strip_prefix('=') {
-            Some(values) => alternatives(values).map(|value| as_toml(value.trim())).collect(),
-            None => {
-                let number = rest.trim_start_matches(['<', '>', '=', '!']).trim();
-                ensure!(number.parse::<f64>().is_ok(), "--where {entry}: {must}");
-                vec![rest.into()]
-            }
-        };
-        let empty = |value: &toml::Value| value.as_str() == Some("");
-        ensure!(!values.iter().any(empty), "--where {entry}: {must}");
-        let before = filter.insert(name.trim().into(), List(values));
-        ensure!(
-            before.is_none(),
-            "--where names {} twice; give all its values in one",
-            name.trim()
-        );
-    }
-    Ok(filter)
-}
-
-fn alternatives(text: &str) -> impl Iterator<Item = &str> {
-    let mut depth = 0;
-    text.split(move |c| {
-        depth += i32::from(c == '(') - i32::from(c == ')');
-        c == ',' && depth == 0
-    })
-}
-
-fn as_toml(text: &str) -> toml::Value {
-    match (text.parse::<i64>(), text.parse::<f64>()) {
-        (Ok(whole), _) => whole.into(),
-        (_, Ok(number)) if number.is_finite() => number.into(),
-        _ => text.into(),
-    }
-}
-
 fn tolerance<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     let within = f64::deserialize(deserializer)?;
     if within >= 0.0 && within.is_finite() {
@@ -207,32 +159,4 @@ fn timeless<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Expression, D:
         ));
     }
     Ok(value)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn filters_of_a_command_line_are_those_of_a_file() {
-        let parse = |entries: &[&str]| {
-            parse_where(&entries.iter().map(|entry| entry.to_string()).collect::<Vec<_>>())
-        };
-        let found = parse(&[
-            "scene=packed, loose",
-            "n>=1000",
-            "size-ratio=2,2.5",
-            "detector=verlet(nbs,rule=top-two,skin=0.1),@streamed",
-        ])
-        .unwrap();
-        let shown = |name: &str| {
-            let values = found[name].iter().map(toml::Value::to_string);
-            values.collect::<Vec<_>>().join(" ")
-        };
-        assert_eq!(shown("scene"), "\"packed\" \"loose\"");
-        assert_eq!(shown("n"), "\">=1000\"");
-        assert_eq!(shown("size-ratio"), "2 2.5");
-        let detectors = "\"verlet(nbs,rule=top-two,skin=0.1)\" \"@streamed\"";
-        assert_eq!(shown("detector"), detectors);
-    }
 }

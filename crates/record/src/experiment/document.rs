@@ -16,7 +16,7 @@ use crate::experiment::claims::{Claim, ClaimKind};
 use crate::experiment::figures::{Figure, FigureKind};
 use crate::experiment::plain::plain;
 use crate::experiment::sweep::{Quick, SceneSweep};
-use crate::experiment::{Experiment, REQUIRED, RETIRED, keys};
+use crate::experiment::{Experiment, REQUIRED, keys};
 use contactbench_terms::nearest::hint;
 
 struct Problem {
@@ -59,15 +59,16 @@ pub struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    pub fn read(text: &'a str) -> anyhow::Result<(Experiment, Document<'a>)> {
-        Document::parse(text).map_err(|problem| problem.located(text))
+    /// Parses an experiment. The copy in a record may ask for kinds of figures that this program
+    /// lacks; they are left out.
+    pub fn read(text: &'a str, is_copy: bool) -> anyhow::Result<(Experiment, Document<'a>)> {
+        Document::parse(text, is_copy).map_err(|problem| problem.located(text))
     }
 
-    fn parse(text: &'a str) -> Result<(Experiment, Document<'a>), Problem> {
+    fn parse(text: &'a str, is_copy: bool) -> Result<(Experiment, Document<'a>), Problem> {
         let mut table = DeTable::parse(text)?;
         let root = table.get_mut();
         let keys = root.keys().map(|key| (key.get_ref().to_string(), key.span())).collect();
-        let retired = RETIRED.into_iter().filter(|key| root.remove(*key).is_some()).collect();
         top_level(root)?;
         if let Some(missing) = REQUIRED.iter().find(|key| !root.contains_key(**key)) {
             let form = if *missing == "scene" { "give a [[scene]]" } else { "give it a value" };
@@ -82,11 +83,14 @@ impl<'a> Document<'a> {
         })?;
         let claims =
             each(root, "claim", |claim, at| nest::<Claim, ClaimKind>(claim, at, "claim", None))?;
+        if let Some(DeValue::Array(all)) = root.get_mut("figure").map(Spanned::get_mut) {
+            let drawn = |figure: &&_| !is_copy || has_kind::<FigureKind>(Spanned::get_ref(figure));
+            *all = all.iter().filter(drawn).cloned().collect();
+        }
         let figures = each(root, "figure", |figure, at| {
             nest::<Figure, FigureKind>(figure, at, "figure", Some("lines"))
         })?;
         let mut experiment = Experiment::deserialize(table.into_deserializer())?;
-        experiment.retired = retired;
         for (sweep, place) in experiment.scenes.iter_mut().zip(scenes) {
             sweep.line = line(&text[..place.start]);
         }
@@ -146,6 +150,11 @@ fn each<'a>(
         places.push(place);
     }
     Ok(places)
+}
+
+fn has_kind<'de, Kind: Deserialize<'de>>(table: &DeValue<'_>) -> bool {
+    let kind = table.get("kind").and_then(|kind| kind.get_ref().as_str());
+    kind.is_none_or(|kind| keys::fields::<Kind>().contains(&kind))
 }
 
 fn key(name: &'static str, at: Range<usize>) -> Spanned<Cow<'static, str>> {

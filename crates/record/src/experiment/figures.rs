@@ -1,10 +1,9 @@
 //! Figures of an experiment.
 
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 
 use crate::experiment::claims::Where;
 use crate::experiment::expression::Expression;
-use crate::record::id::variable;
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -24,7 +23,6 @@ pub enum FigureKind {
     /// Draws times over those of one detector: one panel per scene and N, one bar per detector.
     Bars(Bars),
     SpeedError(SpeedError),
-    Map(MapAxes),
 }
 
 impl FigureKind {
@@ -35,15 +33,14 @@ impl FigureKind {
         }
     }
 
-    /// Lists the options that name an axis: key, axis, and whether it must be an axis of scenes.
-    pub fn axes(&self) -> Vec<(&'static str, &str, bool)> {
+    /// Returns the option that names an axis, and the axis.
+    pub fn axis(&self) -> Option<(&'static str, &str)> {
         match self {
-            FigureKind::Lines(lines) => vec![("x", &lines.x, false)],
+            FigureKind::Lines(lines) => Some(("x", &lines.x)),
             FigureKind::SpeedError(figure) if !figure.columns.is_empty() => {
-                vec![("columns", &figure.columns, false)]
+                Some(("columns", &figure.columns))
             }
-            FigureKind::Map(map) => vec![("x", &map.x, true), ("y", &map.y, true)],
-            FigureKind::SpeedError(_) | FigureKind::Bars(_) => Vec::new(),
+            FigureKind::SpeedError(_) | FigureKind::Bars(_) => None,
         }
     }
 }
@@ -104,41 +101,4 @@ pub enum Against {
     Given,
     /// Compares with exact decisions on the stored scene: only predicate and search can err.
     Stored,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct MapAxes {
-    #[serde(deserialize_with = "called")]
-    pub x: String,
-    #[serde(deserialize_with = "called")]
-    pub y: String,
-    #[serde(default)]
-    pub x_label: String,
-    #[serde(default)]
-    pub y_label: String,
-}
-
-const CALLED: [(&str, &str); 2] =
-    [("density", "packing_fraction"), ("contacts_per_particle", "coordination")];
-
-fn called<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
-    String::deserialize(from).map(|name| column(&name))
-}
-
-fn column(name: &str) -> String {
-    let plain = variable(name);
-    let found = CALLED.iter().find(|(word, _)| *word == plain);
-    found.map_or(plain, |(_, column)| column.to_string())
-}
-
-impl MapAxes {
-    pub fn new(x: &str, y: &str) -> MapAxes {
-        MapAxes { x: column(x), y: column(y), x_label: String::new(), y_label: String::new() }
-    }
-
-    pub fn labels(&self) -> [&str; 2] {
-        [(&self.x_label, &self.x), (&self.y_label, &self.y)]
-            .map(|(given, name)| if given.is_empty() { name.as_str() } else { given })
-    }
 }

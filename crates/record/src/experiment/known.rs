@@ -21,14 +21,7 @@ pub(super) fn check(experiment: &Experiment, document: &Document<'_>) -> anyhow:
         let problem = |words| document.figure(k, words);
         known.filter(&figure.filter).map_err(problem)?;
         figure.kind.expression().map_or(Ok(()), |it| known.expression(it)).map_err(problem)?;
-        for (key, name, of_scenes) in figure.kind.axes() {
-            let column = Column::find(&variable(name)).filter(|column| column.pass.is_some());
-            if of_scenes && column.is_some() {
-                return Err(problem(format!(
-                    "{key} = \"{name}\" is measured of detectors; a map is over fields and \
-                     parameters, and what is measured of scenes"
-                )));
-            }
+        if let Some((key, name)) = figure.kind.axis() {
             known.axis(key, name).map_err(problem)?;
         }
     }

@@ -20,9 +20,7 @@ use serde::Deserialize;
 
 pub use crate::experiment::claims::{Claim, ClaimKind, Where};
 pub use crate::experiment::document::Document;
-pub use crate::experiment::figures::{
-    Against, Bars, Figure, FigureKind, Lines, MapAxes, SpeedError,
-};
+pub use crate::experiment::figures::{Against, Bars, Figure, FigureKind, Lines, SpeedError};
 pub use crate::experiment::list::List;
 pub use crate::experiment::planned::{Planned, PlannedSubject};
 pub use crate::experiment::sweep::{Quick, SceneSweep};
@@ -71,27 +69,20 @@ pub struct Experiment {
     pub table: Option<Table>,
     #[serde(skip)]
     pub planned: Planned,
-    #[serde(skip)]
-    pub retired: Vec<&'static str>,
 }
-
-/// Keys that are ignored, because records contain copies of older files that have them.
-pub const RETIRED: [&str; 3] = ["bound", "cost-model", "advice"];
 
 pub const REQUIRED: [&str; 6] = ["name", "title", "question", "reading", "detectors", "scene"];
 
 impl Experiment {
     /// Whether the experiment asks for the fastest detector: its question contains "fast", it
-    /// compares times (with one detector, on a map or in a claim), or it has no claims and does not
-    /// compare arithmetics.
+    /// compares times (with one detector or in a claim), or it has no claims and does not compare
+    /// arithmetics.
     pub fn asks_fastest(&self) -> bool {
         let faster = |claim: &Claim| matches!(claim.kind, ClaimKind::Faster { .. });
-        let map = |figure: &Figure| matches!(figure.kind, FigureKind::Map(_));
         self.question.to_lowercase().contains("fast")
             || self.ratios_to.is_some()
             || self.claims.is_empty() && self.arithmetics.len() == 1
             || self.claims.iter().any(faster)
-            || self.figures.iter().any(map)
     }
 }
 
@@ -118,7 +109,6 @@ impl Default for Experiment {
             figures: Vec::new(),
             table: None,
             planned: Planned::default(),
-            retired: Vec::new(),
         }
     }
 }

@@ -4,7 +4,6 @@ pub mod claim;
 pub mod compare;
 pub mod courses;
 pub mod errors;
-pub mod map;
 pub mod operations;
 pub mod overhead;
 pub mod ratios;

@@ -1,6 +1,6 @@
 //! Draws the figures of an experiment from the record, each as an SVG that keeps its text as text.
 //!
-//! The modules `lines`, `bars`, `speed_error` and `map` each draw one kind of figure: they turn
+//! The modules `lines`, `bars` and `speed_error` each draw one kind of figure: they turn
 //! cells into data, and lay them out. `axis` chooses ranges and ticks, `style` defines colour and
 //! marker of each detector, and `canvas` calls plotters.
 
@@ -9,7 +9,6 @@ mod bars;
 mod canvas;
 mod font;
 mod lines;
-pub mod map;
 mod speed_error;
 pub mod style;
 
@@ -47,7 +46,6 @@ impl About<'_> {
             FigureKind::Lines(options) => lines::svg(self, options),
             FigureKind::Bars(options) => bars::svg(self, options),
             FigureKind::SpeedError(options) => speed_error::svg(self, options),
-            FigureKind::Map(axes) => map::svg(self, axes),
         }
     }
 

@@ -129,26 +129,6 @@ impl Styles {
         Styles(styles)
     }
 
-    /// Returns colours for the detectors of a map: a detector's usual colour if free, else the one
-    /// that differs most from those taken.
-    pub fn of_map(&self, names: &[String]) -> Vec<Colour> {
-        let mut taken: Vec<Colour> = Vec::new();
-        let mut own = |name: &String| {
-            let style = Some(self.get(name)).filter(|style| !style.control)?;
-            let free = !taken.contains(&style.colour);
-            free.then(|| taken.push(style.colour)).map(|()| style.colour)
-        };
-        let found: Vec<Option<Colour>> = names.iter().map(&mut own).collect();
-        let all: Vec<Colour> = PALETTE.iter().skip(1).map(|it| it.0).collect();
-        let mut farthest = || {
-            let room = |a: &&Colour| taken.iter().map(|b| apart(**a, *b)).min().unwrap_or(255);
-            let colour = all.iter().max_by_key(room).copied().unwrap_or(INK);
-            taken.push(colour);
-            colour
-        };
-        found.into_iter().map(|own| own.unwrap_or_else(&mut farthest)).collect()
-    }
-
     /// Returns the style of a detector. A detector that [`Styles::new`] did not get has the style
     /// that its name prefers.
     pub fn get(&self, name: &str) -> Style {
@@ -168,11 +148,6 @@ fn of_place(place: usize) -> Style {
 fn preferred(name: &str) -> usize {
     let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
     (name.bytes().fold(0x811c_9dc5, step) >> 8) as usize % PALETTE.len()
-}
-
-/// Returns the largest difference among the three colour channels.
-fn apart(a: Colour, b: Colour) -> u8 {
-    a.0.abs_diff(b.0).max(a.1.abs_diff(b.1)).max(a.2.abs_diff(b.2))
 }
 
 /// Returns the style of a tracker's rule, if the name has no skin or `skin=auto`.
@@ -227,13 +202,9 @@ mod tests {
     use contactbench_record::cells;
     use contactbench_record::cells::testing::Lab;
 
-    #[test]
-    fn trackers_over_one_detector_are_told_apart_on_a_map() {
-        let names = ["every-step(nbs)", "nbs", "verlet(bvh)", "verlet(nbs)"].map(String::from);
-        let colours = Styles::default().of_map(&names);
-        for (k, &a) in colours.iter().enumerate() {
-            assert!(colours[..k].iter().all(|&b| apart(a, b) >= 60), "{colours:?}");
-        }
+    /// Returns the largest difference among the three colour channels.
+    fn apart(a: Colour, b: Colour) -> u8 {
+        a.0.abs_diff(b.0).max(a.1.abs_diff(b.1)).max(a.2.abs_diff(b.2))
     }
 
     #[test]

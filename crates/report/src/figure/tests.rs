@@ -107,22 +107,3 @@ fn bars_are_the_fastest_first_and_nothing_stands_at_an_edge() {
     assert_eq!(drawn, ["grid", "nbs", "kd", "far", "bad", "slow"]);
     all_in(&found, &["0.40 = 4 ns", "1 = 10 ns", "2.50 = 25 ns", "0.050, wrong", "time limit"]);
 }
-
-#[test]
-fn a_map_stripes_what_is_undecided_and_needs_times() {
-    let mut lab = Lab::new("e", "packed");
-    for (n, fraction, nbs) in [(100, 0.1, 1000), (100, 0.6, 2000), (1000, 0.6, 3000)] {
-        lab.n(n).param("fraction", fraction).detector("nbs").time(&[nbs; 15]);
-        lab.detector("sorting").time(&[2000; 15]);
-    }
-    let map = drawn(&lab.rows(), "map");
-    let found = texts(&map);
-    all_in(&found, &["Who <is> the fastest", "2.00", "2.00 to 2.00", "or sorting", "1.5 to 2.5"]);
-    assert_eq!(drawn(&[], "map"), None);
-    // Removes the tile in which both detectors are equally fast.
-    let polygons = |map: &Option<String>| map.as_ref().unwrap().matches("<polygon").count();
-    lab.n(100).param("fraction", 0.6).detector("nbs").time(&[1500; 15]);
-    let clear = drawn(&lab.rows(), "map");
-    assert!(polygons(&clear) < polygons(&map) - 10);
-    assert!(!texts(&clear).contains(&"or sorting".to_string()));
-}

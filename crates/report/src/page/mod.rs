@@ -6,7 +6,6 @@
 pub(crate) mod answer;
 mod cards;
 mod data;
-mod map;
 pub(crate) mod marks;
 mod markup;
 pub mod origin;
@@ -21,7 +20,6 @@ use crate::document::{self, Block};
 use crate::figure::style::ranked;
 use crate::report::{Facts, Part};
 use crate::sections;
-use crate::sections::map::Drawn;
 use contactbench_record::findings::claim::{Status, Verdict};
 use contactbench_record::findings::trust::failures::failures;
 use contactbench_terms::text;
@@ -50,8 +48,6 @@ pub fn html(facts: &Facts<'_>) -> String {
     let first: Vec<Block> = wrong.chain(facts.alerts.iter().cloned()).collect();
     let whole = facts.whole.iter().map(|line| Block::paragraph(line.as_str()));
     let notes: Vec<Block> = whole.chain(facts.warnings.iter().map(warning)).collect();
-    let maps: Vec<&Drawn> = parts.iter().flat_map(|part| &part.maps).collect();
-    let maps = (!maps.is_empty()).then(|| map::section(&maps, styles));
     let values = [
         ("title", escape(facts.title())),
         ("source", escape(&source(facts))),
@@ -59,8 +55,6 @@ pub fn html(facts: &Facts<'_>) -> String {
         ("cards", cards::html(facts)),
         ("answers", answers(parts, &marks)),
         ("claims", claims(parts)),
-        ("maps-link", maps.iter().map(|_| "<a href=\"#maps\">Maps</a> ").collect()),
-        ("maps", maps.unwrap_or_default()),
         ("figures", figures(parts)),
         ("outcomes", outcomes(parts)),
         ("tables", parts.iter().map(tables).collect()),

@@ -11,7 +11,6 @@ use serde_json::Value;
 
 use crate::document::{self, Block, Text};
 use crate::figure::style::Styles;
-use crate::sections::map::Drawn;
 use crate::sections::{self, About, DETAILS, SPEED, ratios};
 use crate::table::{self, csv};
 use crate::{csv as files, figure, page, research_object};
@@ -68,7 +67,6 @@ pub struct Part<'a> {
     pub matrix: Option<Matrix>,
     /// Title and file of each figure.
     pub figures: Vec<(String, PathBuf)>,
-    pub maps: Vec<Drawn>,
     pub tables: Vec<Block>,
     pub files: Vec<(&'static str, table::Table)>,
 }
@@ -192,9 +190,8 @@ impl<'a> Part<'a> {
         let own: Vec<&Cell> = of(experiment, cells).iter().collect();
         let coverage = Coverage::new(experiment, &own, scope);
         let matrix = Matrix::new(&own).filter(|_| experiment.table == Some(Table::Verdicts));
-        let maps = Drawn::all(experiment, of(experiment, cells));
         let winners = winners(&own);
-        let about = About { experiment, cells: &own, maps: &maps, winners: &winners };
+        let about = About { experiment, cells: &own, winners: &winners };
         let (mut tables, mut files) = (Vec::new(), Vec::new());
         let details = if matrix.is_none() { DETAILS } else { &[] };
         for section in SPEED.iter().chain(details).flat_map(|make| make(&about)) {
@@ -215,7 +212,6 @@ impl<'a> Part<'a> {
             answer: compared.as_ref().map(ratios::headline),
             matrix,
             figures: Vec::new(),
-            maps,
             winners,
             tables,
             files,

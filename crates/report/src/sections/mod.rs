@@ -5,7 +5,6 @@ pub mod claims;
 pub mod compare;
 mod courses;
 pub mod errors;
-pub mod map;
 mod operations;
 mod overhead;
 pub mod ratios;
@@ -23,7 +22,6 @@ use contactbench_record::findings::winners::Winners;
 pub struct About<'a> {
     pub experiment: &'a Experiment,
     pub cells: &'a [&'a Cell],
-    pub maps: &'a [map::Drawn],
     pub winners: &'a Winners,
 }
 
@@ -39,11 +37,9 @@ type Make = fn(&About<'_>) -> Vec<Section>;
 
 pub const SPEED: &[Make] = &[
     |about| Vec::from_iter(winners::section(about)),
-    map::sections,
     |about| Vec::from_iter(ratios::section(about)),
     |about| Vec::from_iter(threads::section(about)),
     |about| Vec::from_iter(overhead::section(about)),
-    |about| Vec::from_iter(retired(about)),
 ];
 
 /// Sections with the tables of all cells. An experiment with a table of verdicts leaves them out.
@@ -76,15 +72,4 @@ impl Section {
         }
         (!blocks.is_empty()).then(|| Section::new(heading, blocks))
     }
-}
-
-/// Names the keys of an older experiment that this program no longer computes.
-fn retired(about: &About<'_>) -> Option<Section> {
-    let keys = &about.experiment.retired;
-    let words = format!(
-        "The experiment asks for {}, which an older program computed; this one does not.",
-        keys.join(", ")
-    );
-    let blocks = vec![Block::paragraph(words)];
-    (!keys.is_empty()).then(|| Section::new("No longer computed", blocks))
 }

@@ -21,7 +21,7 @@ macro_rules! files {
 
 pub const FILES: &[(&str, &str)] = files! {
     "scaling" "book" "arithmetic" "speed-error" "hard-cases" "vectors" "scale" "sizes" "periodic"
-    "motion" "rebuilds" "maps" "peers" "neighbours" "codes"
+    "motion" "rebuilds" "peers" "neighbours" "codes"
 };
 
 pub fn names() -> impl Iterator<Item = &'static str> {

@@ -73,7 +73,7 @@ fn checked<'a>(
     is_copy: bool,
 ) -> anyhow::Result<(Experiment, Document<'a>)> {
     short_enough(text)?;
-    let (mut experiment, document) = Document::read(text)?;
+    let (mut experiment, document) = Document::read(text, is_copy)?;
     experiment.detectors = detectors::expand(&experiment.detectors, is_copy)
         .map_err(|words| document.key("detectors", words))?;
     experiment.ratios_to = experiment.ratios_to.as_deref().map(detectors::normal);
