@@ -1,5 +1,4 @@
-//! A new detector, from its first line to agreement with the truth. docs/DETECTORS.md shows the
-//! marked parts.
+//! A new detector, from its first line to agreement with the truth.
 //!
 //! `cargo run --release --example add_a_detector`
 
@@ -15,7 +14,6 @@ use contactbench::scene::{AnyScene, Real, Stored};
 use contactbench::sink::{Digest, Sink};
 use contactbench::{filter, oracle};
 
-// PAGE: detector
 /// Sorts the particles by x and tests each against those that follow within reach.
 pub struct SweepX(Options, Vec<u32>);
 
@@ -59,10 +57,8 @@ impl<T: Real, const D: usize> Detector<T, D> for SweepX {
         Ok(())
     }
 }
-// PAGE: end
 
 static TABLE: &[Entry] = &[
-    // PAGE: table
     Entry {
         name: "sweep-x",
         group: Group::Modern,
@@ -73,7 +69,6 @@ static TABLE: &[Entry] = &[
         constructor: Both::<SweepX, SweepX>::boxed,
         ..PLAIN
     },
-    // PAGE: end
 ];
 
 fn main() -> anyhow::Result<()> {
