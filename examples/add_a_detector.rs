@@ -58,18 +58,16 @@ impl<T: Real, const D: usize> Detector<T, D> for SweepX {
     }
 }
 
-static TABLE: &[Entry] = &[
-    Entry {
-        name: "sweep-x",
-        group: Group::Modern,
-        summary: "sorts along x, tests what follows within reach",
-        cost: "N log N key comparisons; contact tests grow as N^(2 - 1/D) in a box",
-        memory: "4N",
-        limits: "many particles at the same x are N^2",
-        constructor: Both::<SweepX, SweepX>::boxed,
-        ..PLAIN
-    },
-];
+static TABLE: &[Entry] = &[Entry {
+    name: "sweep-x",
+    group: Group::Modern,
+    summary: "sorts along x, tests what follows within reach",
+    cost: "N log N key comparisons; contact tests grow as N^(2 - 1/D) in a box",
+    memory: "4N",
+    limits: "many particles at the same x are N^2",
+    constructor: Both::<SweepX, SweepX>::boxed,
+    ..PLAIN
+}];
 
 fn main() -> anyhow::Result<()> {
     // Detects one scene directly, as a user of the library does.

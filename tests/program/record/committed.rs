@@ -116,7 +116,8 @@ fn every_record_has_a_page_that_says_what_its_reports_say() {
 #[test]
 fn the_result_of_readme_is_in_the_records() {
     let readme = include_str!("../../../README.md");
-    let records = ["reference-peers", "reference/scale"].map(|name| root().join("results").join(name));
+    let records =
+        ["reference-peers", "reference/scale"].map(|name| root().join("results").join(name));
     assert_eq!(invented(section(readme, "One result"), &records), [""; 0]);
 }
 
