@@ -7,7 +7,3 @@ pub mod plan;
 pub mod recommend;
 pub mod run;
 mod truth;
-
-#[cfg(test)]
-#[path = "../../../tests/program/committed.rs"]
-mod committed;

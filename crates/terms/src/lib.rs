@@ -11,6 +11,7 @@ pub mod grammar;
 pub mod interval;
 pub mod mix;
 pub mod moved;
+mod must;
 mod named;
 pub mod nearest;
 pub mod number;

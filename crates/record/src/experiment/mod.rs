@@ -26,6 +26,7 @@ pub use crate::experiment::planned::{Planned, PlannedSubject};
 pub use crate::experiment::sweep::{Quick, SceneSweep};
 use crate::record::faults::{MOST_THREADS, is_word};
 use contactbench_terms::arithmetic::Arithmetic;
+use contactbench_terms::must;
 
 /// One experiment file. [`Document::read`] requires the keys in [`REQUIRED`].
 #[derive(Clone, Debug, Deserialize)]
@@ -155,9 +156,11 @@ impl Experiment {
     }
 
     pub fn check(&self, document: &Document<'_>) -> anyhow::Result<()> {
-        if let Some((key, words)) = self.problem() {
-            return Err(document.key(key, words));
-        }
+        self.sound().map_err(|words| {
+            // The words begin with the key.
+            let key = words.split([' ', ':']).next().unwrap_or_default().to_string();
+            document.key(&key, words)
+        })?;
         for (k, figure) in self.figures.iter().enumerate() {
             if let FigureKind::Lines(lines) = &figure.kind
                 && let Some(problem) = lines.problem()
@@ -173,66 +176,39 @@ impl Experiment {
         known::check(self, document)
     }
 
-    fn problem(&self) -> Option<(&'static str, String)> {
-        macro_rules! must {
-            ($holds:expr, $key:literal, $($words:tt)*) => {
-                if !$holds {
-                    return Some(($key, format!($($words)*)));
-                }
-            };
-        }
+    fn sound(&self) -> Result<(), String> {
         let name = &self.name;
-        must!(
-            is_word(name),
-            "name",
-            "the name '{name}' must be of letters, digits, '-', '_' and '.': files are named after \
-             it"
-        );
+        must!(is_word(name), "name = '{name}': use letters, digits, '-', '_' and '.' only");
         let names = || self.detectors.iter().chain(self.runners.iter().map(|runner| &runner.name));
         for (k, name) in names().enumerate() {
-            must!(names().take(k).all(|other| other != name), "runner", "{}", twice(name));
+            must!(names().take(k).all(|other| other != name), "runner: {}", twice(name));
         }
-        if let Some(name) = &self.ratios_to {
-            must!(
-                names().any(|known| known == name),
-                "ratios-to",
-                "ratios-to = \"{name}\": it must be one of the experiment's detectors or runners"
-            );
+        if let Some(to) = &self.ratios_to {
+            let known = names().any(|known| known == to);
+            must!(known, "ratios-to = \"{to}\": it must be one of the detectors or runners");
         }
-        must!(
-            names().next().is_some(),
-            "detectors",
-            "detectors is empty, and there is no runner: nothing would be measured; name one"
-        );
-        let some = !self.arithmetics.is_empty();
-        must!(some, "arithmetics", "arithmetics is empty; leave it out for exact");
+        must!(names().next().is_some(), "detectors is empty, and there is no runner; name one");
+        must!(!self.arithmetics.is_empty(), "arithmetics is empty; leave it out for exact");
         let limit = self.time_limit_s;
-        must!(
-            limit > 0.0 && limit <= 1e6,
-            "time-limit-s",
-            "time-limit-s = {limit}: it must be over 0 and at most 10^6 seconds"
-        );
+        let some = limit > 0.0 && limit <= 1e6;
+        must!(some, "time-limit-s = {limit}: it must be over 0 and at most 10^6 seconds");
         let number = !self.block_budget_s.is_nan();
-        must!(number, "block-budget-s", "block-budget-s is nan: leave it out for no budget");
+        must!(number, "block-budget-s is nan: leave it out for no budget");
         let limit = self.memory_limit_mib.unwrap_or(0);
-        must!(
-            limit <= 1 << 30,
-            "memory-limit-mib",
-            "memory-limit-mib = {limit}: at most 2^30 (1 PiB) can be limited"
-        );
+        must!(limit <= 1 << 30, "memory-limit-mib = {limit}: at most 2^30 (1 PiB) can be limited");
         let threads = &self.threads;
-        must!(!threads.is_empty(), "threads", "threads is empty; leave it out for one");
-        must!(!threads.contains(&0), "threads", "threads = 0: at least one is needed");
-        let few = threads.iter().all(|&k| k <= MOST_THREADS);
-        must!(few, "threads", "threads: at most {MOST_THREADS} can be asked for");
-        let once = (1..threads.len()).all(|k| !threads[..k].contains(&threads[k]));
-        must!(once, "threads", "threads names a number twice; leave one out");
+        must!(!threads.is_empty(), "threads is empty; leave it out for one");
+        for (k, count) in threads.iter().enumerate() {
+            let some = (1..=MOST_THREADS).contains(count);
+            must!(some, "threads = {count}: at least 1 and at most {MOST_THREADS}");
+            must!(!threads[..k].contains(count), "threads names {count} twice; leave one out");
+        }
+        let several = threads.contains(&1) && threads.len() > 1;
         must!(
-            !self.ceiling || threads.contains(&1) && threads.len() > 1,
-            "ceiling",
-            "ceiling = true compares several threads with one; give threads = [1, 2], for example"
+            !self.ceiling || several,
+            "ceiling = true needs one thread and more: threads = [1, 2]"
         );
-        None
+        Ok(())
     }
 }
 

@@ -20,7 +20,7 @@ use contactbench_record::findings::claim::verdicts::Matrix;
 use contactbench_record::findings::claim::{self, Verdict};
 use contactbench_record::findings::ratios::Ratios;
 use contactbench_record::findings::trust::conditions::Conditions;
-use contactbench_record::findings::trust::coverage::{Coverage, Scope, Summary};
+use contactbench_record::findings::trust::coverage::Coverage;
 use contactbench_record::findings::trust::failures::{Culprit, Culprits};
 use contactbench_record::findings::winners::{Winners, winners};
 use contactbench_record::record::folder::ledger::Ledger;
@@ -58,7 +58,7 @@ pub struct Facts<'a> {
 pub struct Part<'a> {
     pub experiment: &'a Experiment,
     pub cells: Vec<&'a Cell>,
-    pub coverage: Summary,
+    pub coverage: Coverage<'a>,
     pub verdicts: Vec<Verdict>,
     pub winners: Winners,
     pub asks_fastest: bool,
@@ -140,13 +140,12 @@ impl<'a> Facts<'a> {
         styles: Styles,
     ) -> Facts<'a> {
         let origin = Origin::read(folder, rows);
-        let scope = Scope::new(origin.provenance.as_ref(), experiments);
-        let parts: Vec<Part<'_>> =
-            experiments.iter().map(|it| Part::new(it, cells, &scope)).collect();
+        let parts: Vec<Part<'_>> = experiments.iter().map(|it| Part::new(it, cells)).collect();
         let culprits = Culprits::new(&cells.iter().collect::<Vec<_>>(), experiments);
         let doubts = sections::trust::conditions::sentence(&origin.conditions);
+        let coverage = parts.iter().map(|part| (&*part.experiment.name, &part.coverage));
         let (whole, partial) =
-            sections::trust::coverage::whole_or_partial(parts.iter().map(|part| &part.coverage));
+            sections::trust::coverage::whole_or_partial(&coverage.collect::<Vec<_>>());
         let alerts = partial.into_iter().chain(doubts).map(|text| Block::Warning(text.into()));
         Facts {
             verdicts: parts.iter().flat_map(|part| part.verdicts.clone()).collect(),
@@ -186,9 +185,9 @@ impl Origin {
 }
 
 impl<'a> Part<'a> {
-    fn new(experiment: &'a Experiment, cells: &'a [Cell], scope: &Scope<'_>) -> Part<'a> {
+    fn new(experiment: &'a Experiment, cells: &'a [Cell]) -> Part<'a> {
         let own: Vec<&Cell> = of(experiment, cells).iter().collect();
-        let coverage = Coverage::new(experiment, &own, scope);
+        let coverage = Coverage::new(experiment, &own);
         let matrix = Matrix::new(&own).filter(|_| experiment.table == Some(Table::Verdicts));
         let winners = winners(&own);
         let about = About { experiment, cells: &own, winners: &winners };
@@ -207,7 +206,7 @@ impl<'a> Part<'a> {
         Part {
             experiment,
             verdicts: claim::verdicts(experiment, cells, &coverage),
-            coverage: coverage.summary(),
+            coverage,
             asks_fastest: experiment.asks_fastest(),
             answer: compared.as_ref().map(ratios::headline),
             matrix,
@@ -276,9 +275,5 @@ fn of<'a>(experiment: &Experiment, cells: &'a [Cell]) -> &'a [Cell] {
     &cells[start..start + count]
 }
 
-#[cfg(test)]
-mod claims_in_words;
-#[cfg(test)]
-mod plans_in_words;
 #[cfg(test)]
 mod tests;

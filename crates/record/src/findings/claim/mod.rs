@@ -16,7 +16,7 @@ use crate::cells::label::{place, varying};
 use crate::cells::series::Line;
 use crate::cells::{Cell, CellId, Expression, Reading, select};
 use crate::experiment::{Claim, ClaimKind, Experiment};
-use crate::findings::trust::coverage::{Coverage, Uncovered};
+use crate::findings::trust::coverage::{Coverage, Gaps};
 use crate::record::row::Outcome;
 use contactbench_terms::number::plural;
 
@@ -52,7 +52,7 @@ pub struct Evidence {
     pub nothing: bool,
     pub of_machine: bool,
     pub without: Option<Without>,
-    pub uncovered: Option<Uncovered>,
+    pub uncovered: Option<Gaps>,
     /// Smallest and largest time in nanoseconds per particle, if the claim is about counts or bytes
     /// of one detector.
     pub time: Option<[f64; 2]>,
@@ -192,3 +192,6 @@ fn reading(value: &Expression, cell: &Cell) -> Option<f64> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -33,22 +33,6 @@ pub fn scene(id: &CellId) -> Projection {
     if id.scene == FILE { scene.without(&["dim", "n"]) } else { scene }
 }
 
-/// The identity of a timed sample: cell with machine, pass, start time, and processor.
-pub(crate) type Began = (CellId, Pass, u64, Option<u32>);
-
-pub fn began(row: &Row) -> Option<Began> {
-    row.time_ns?;
-    Some((row.id.clone(), row.pass, row.began_ms?, row.processor))
-}
-
-pub fn times(row: &Row) -> ([Option<u64>; 6], &[u64], Option<&str>) {
-    (
-        [row.time_ns, row.calls, row.elapsed_ns, row.first_ns, row.alone_ns, row.building_ns],
-        &row.rounds_ns,
-        row.digest.as_deref(),
-    )
-}
-
 impl Index {
     pub fn new(rows: &[Row]) -> Index {
         let mut ended = HashMap::new();

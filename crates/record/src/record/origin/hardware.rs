@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -31,40 +31,35 @@ impl Hardware {
     /// Whether the two may be one machine. Fields known of only one of them are ignored, since a
     /// container may hide the sizes of the caches.
     pub fn may_be(&self, other: &Hardware) -> bool {
-        fn alike<T: PartialEq>(a: &Option<T>, b: &Option<T>) -> bool {
-            a.is_none() || b.is_none() || a == b
-        }
         // The kernel reserves some memory, which may vary.
         let memory = match (self.memory_bytes, other.memory_bytes) {
             (Some(a), Some(b)) => a.abs_diff(b) <= a.max(b) / 50,
             _ => true,
         };
-        alike(&self.cpu, &other.cpu)
-            && alike(&self.cpu_vendor, &other.cpu_vendor)
-            && alike(&self.cpu_family, &other.cpu_family)
-            && alike(&self.cpu_model, &other.cpu_model)
-            && alike(&self.cpu_stepping, &other.cpu_stepping)
-            && alike(&self.cpu_features, &other.cpu_features)
-            && alike(&self.cores, &other.cores)
-            && self
-                .caches
-                .iter()
-                .all(|(level, size)| other.caches.get(level).is_none_or(|other| other == size))
-            && memory
+        let others = other.known();
+        let alike = |(name, value): (String, Value)| {
+            name == "memory_bytes" || others.get(&name).is_none_or(|other| *other == value)
+        };
+        memory && self.known().into_iter().all(alike)
     }
 
+    /// Returns these fields, and those of `other` that are unknown here.
     pub fn or(self, other: Hardware) -> Hardware {
-        Hardware {
-            cpu: self.cpu.or(other.cpu),
-            cpu_vendor: self.cpu_vendor.or(other.cpu_vendor),
-            cpu_family: self.cpu_family.or(other.cpu_family),
-            cpu_model: self.cpu_model.or(other.cpu_model),
-            cpu_stepping: self.cpu_stepping.or(other.cpu_stepping),
-            cpu_features: self.cpu_features.or(other.cpu_features),
-            cores: self.cores.or(other.cores),
-            caches: if self.caches.is_empty() { other.caches } else { self.caches },
-            memory_bytes: self.memory_bytes.or(other.memory_bytes),
-        }
+        let mut fields = other.known();
+        fields.extend(self.known());
+        let caches = if self.caches.is_empty() { other.caches } else { self.caches };
+        fields.insert("caches".into(), json!(caches));
+        serde_json::from_value(json!(fields)).unwrap_or_default()
+    }
+
+    /// The known fields by name; each cache is a field.
+    fn known(&self) -> BTreeMap<String, Value> {
+        let mut fields: BTreeMap<String, Value> =
+            serde_json::from_value(json!(self)).unwrap_or_default();
+        fields.remove("caches");
+        fields.extend(self.caches.iter().map(|(name, size)| (name.clone(), json!(size))));
+        fields.retain(|_, value| !value.is_null());
+        fields
     }
 }
 

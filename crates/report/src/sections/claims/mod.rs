@@ -1,7 +1,7 @@
 pub mod verdicts;
 
 use crate::document::Block;
-use crate::sections::trust::coverage::uncovered;
+use crate::sections::trust::coverage::gaps;
 use crate::table::Table;
 use contactbench_record::findings::claim::{Evidence, Status, Verdict, Without};
 use contactbench_record::record::row::Outcome;
@@ -42,15 +42,11 @@ pub fn evidence(evidence: &Evidence) -> String {
         None => String::new(),
     };
     let there = format!("{machine}{}{time}{without}", evidence.found);
-    let Some(cut) = evidence.uncovered.as_ref().map(uncovered) else {
-        return there;
-    };
-    if evidence.nothing {
-        return cut;
+    match &evidence.uncovered {
+        None => there,
+        Some(cut) if evidence.nothing => gaps(cut),
+        Some(cut) => format!("{}; in these: {there}", gaps(cut)),
     }
-    let all = evidence.uncovered.as_ref().is_some_and(|cut| cut.cells == cut.of);
-    let rest = if all { "its own cells" } else { "the other cells" };
-    format!("{cut}; in {rest}: {there}")
 }
 
 /// Formats text such as `; 4 of 7 cells have no value: 3 refused, 1 timeout`.

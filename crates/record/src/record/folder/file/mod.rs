@@ -8,7 +8,6 @@ use flate2::read::MultiGzDecoder;
 use serde::{Deserialize, Serialize};
 
 use crate::record::faults::{self, Fault};
-use crate::record::folder::ledger::Ledger;
 use crate::record::folder::seal;
 use crate::record::row::Row;
 
@@ -217,8 +216,7 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
             }
         }
     }
-    let ledger = Ledger::read(path.parent().unwrap_or(Path::new(".")));
-    found.extend(faults::faults(&rows, &ledger).into_iter().map(|(k, what)| (lines[k], what)));
+    found.extend(faults::faults(&rows).into_iter().map(|(k, what)| (lines[k], what)));
     found.sort();
     let fault = |(line, what)| Fault { place: format!("{}:{line}", path.display()), what };
     faults::sound(found.into_iter().map(fault).collect())?;
