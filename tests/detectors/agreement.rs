@@ -50,13 +50,13 @@ fn contacts(name: &str, scene: &AnyScene<'static>) -> u64 {
 
 #[test]
 fn every_generator_with_seeds() {
-    let limits = Limits { seeds: 3, time: Duration::from_secs(60), ..Limits::default() };
+    let limits = Limits { seeds: 1, time: Duration::from_secs(60), ..Limits::default() };
     let report = check::check(&detectors(), &Arithmetic::SAFE, &limits).unwrap();
     for failure in &report.failures {
         let (what, scene) = (&failure.detector, check::as_csv(&failure.smallest.scene));
         println!("{what} {:?} on {}:\n{scene}", failure.arithmetic, failure.found_on);
     }
-    assert!(report.failures.is_empty() && report.cases > 8_000, "{} cases", report.cases);
+    assert!(report.failures.is_empty() && report.cases > 2_500, "{} cases", report.cases);
 }
 
 /// Scenes with known contacts that are not in the catalogue of hard cases.

@@ -146,7 +146,10 @@ fn difference<const D: usize>(found: &Pairs, expected: &Pairs, claim: &Claim<D>)
 /// must not be 0 for any arithmetic.
 fn hold<const D: usize>(name: &str, arithmetics: &[Arithmetic], relation: Relation<D>) {
     let compared: RefCell<BTreeMap<Arithmetic, [usize; 2]>> = RefCell::default();
-    let config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
+    // A quarter of proptest's number, which the environment variable PROPTEST_CASES sets.
+    let usual = ProptestConfig::default();
+    let config =
+        ProptestConfig { failure_persistence: None, cases: usual.cases.div_ceil(4), ..usual };
     let scenes = (scenes::scenes::<D>(), any::<u64>().no_shrink());
     let ended = TestRunner::new(config).run(&scenes, |(scene, seed)| {
         for &arithmetic in arithmetics {
