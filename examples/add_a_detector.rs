@@ -4,15 +4,17 @@
 
 use anyhow::ensure;
 use contactbench::check::{self, Limits};
-use contactbench::contact::{Arithmetic, Bodies, Test};
-use contactbench::detect::any::{self, Both};
-use contactbench::detect::table::{Entry, Group, PLAIN};
-use contactbench::detect::{Declare, Detector, Options, Refusal, within};
-use contactbench::probe::{Op, Probe, Tally};
 use contactbench::scene::spec::Spec;
 use contactbench::scene::{AnyScene, Real, Stored};
-use contactbench::sink::{Digest, Sink};
-use contactbench::{filter, oracle};
+use contactbench_detectors::oracle;
+use contactbench_detectors::table::{Entry, Group, PLAIN};
+use contactbench_ground::contact::{Arithmetic, Bodies, Test};
+use contactbench_ground::detect::any::{self, Both};
+use contactbench_ground::detect::{Declare, Detector, Options, within};
+use contactbench_ground::filter;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::sink::{Digest, Sink};
+use contactbench_ground::probe::{Op, Probe, Tally};
 
 /// Sorts the particles by x and tests each against those that follow within reach.
 pub struct SweepX(Options, Vec<u32>);

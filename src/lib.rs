@@ -7,9 +7,9 @@
 //! The modules, in the order in which data pass through them; no module imports a later one:
 //!
 //! 1. [`scene`]: generators, and files ([`io`]), give centres and radii.
-//! 2. The crate `contactbench-core` finds and counts contacts: [`contact`], [`filter`], [`detect`],
-//!    [`probe`], [`sink`], [`wide`]. [`oracle`] has the exact truth, [`periodic`] boxes, and
-//!    [`track`] neighbour lists of moving particles, which [`moving`] compares with the truth.
+//! 2. The crates `contactbench-ground`, `contactbench-streamed`, `contactbench-lists` and
+//!    `contactbench-detectors` find and count contacts; [`moving`] compares neighbour lists of moving
+//!    particles with the truth. `contactbench-core` is the published face of the four.
 //! 3. [`mod@check`] compares every detector with the truth on many small scenes.
 //! 4. [`experiment`] reads a TOML file; [`run`] measures each detector in a process of its own and
 //!    appends rows to the [`record`].
@@ -18,8 +18,9 @@
 //! 6. [`cli`]: the verbs of the program `contactbench`.
 //!
 //! ```
-//! use contactbench::contact::Test;
-//! use contactbench::detect::{Options, table};
+//! use contactbench_ground::contact::Test;
+//! use contactbench_ground::detect::Options;
+//! use contactbench_detectors::table;
 //! use contactbench::scene::spec::Spec;
 //!
 //! let scene = Spec::parse("packed:dim=3,n=1000,seed=1")?.make()?;
@@ -30,16 +31,12 @@
 //!
 //! let direct = table::find("direct").expect("direct is in the table");
 //! let mut direct = direct.make(Options::default());
-//! let mut count = contactbench::sink::Count::default();
+//! let mut count = contactbench_ground::pairs::sink::Count::default();
 //! direct.visit(&scene, Test::Exact, &mut count)?;
 //! assert_eq!(count.0, pairs.len() as u64);
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 
-pub use contactbench_core::{
-    contact, crowd, detect, event, filter, memory, oracle, pair_list, periodic, probe, searcher,
-    sink, track, wide, with_scene,
-};
 pub use contactbench_io as io;
 pub use contactbench_record::{cells, experiment, findings, record, stats};
 pub use contactbench_report as present;

@@ -9,10 +9,11 @@ use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
 use crate::cli::shared::{terminal, values};
-use contactbench_core::contact::{Arithmetic, Test};
-use contactbench_core::detect::Options;
-use contactbench_core::periodic::without_shift;
-use contactbench_core::track::{self, TrackerSpec};
+use contactbench_detectors::tracker;
+use contactbench_detectors::tracker::TrackerSpec;
+use contactbench_ground::contact::{Arithmetic, Test};
+use contactbench_ground::detect::Options;
+use contactbench_ground::periodic::without_shift;
 use contactbench_io as io;
 use contactbench_io::pairs::List;
 use contactbench_io::{Frame, Place};
@@ -135,7 +136,7 @@ fn page(options: &Draw) -> anyhow::Result<ExitCode> {
         pairs.is_none() && !whole && labels.is_none() && !grid,
         "--pairs, --whole, --labels and --grid need a picture (-o NAME.svg); leave them out"
     );
-    let tracker = track::parse(options.tracker.as_deref().unwrap_or(TRACKER))?;
+    let tracker = tracker::parse(options.tracker.as_deref().unwrap_or(TRACKER))?;
     let play = |sequence: Sequence<'_>| play(options, &tracker, sequence);
     let Draw { motion, frames, .. } = *options;
     let wanted =

@@ -6,10 +6,11 @@ use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 
 use crate::cli::shared::terminal;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::peers::PEERS;
-use contactbench_core::detect::table::{self, TABLE};
-use contactbench_core::track;
+use contactbench_detectors::peers::PEERS;
+use contactbench_detectors::table;
+use contactbench_detectors::table::TABLE;
+use contactbench_detectors::tracker;
+use contactbench_ground::contact::Arithmetic;
 use contactbench_record::experiment::Experiment;
 use contactbench_report::table::Table;
 use contactbench_run::plan::builtin;
@@ -62,7 +63,7 @@ impl What {
             What::Arithmetics => Arithmetic::ALL.map(|it| summed(it.name(), it.summary())).into(),
             What::Scenes => GENERATORS.iter().map(scene).collect(),
             What::Motions => Kind::ALL.map(|it| summed(it.name(), it.summary())).into(),
-            What::Trackers => track::FORMS.map(|(form, summary)| summed(form, summary)).into(),
+            What::Trackers => tracker::FORMS.map(|(form, summary)| summed(form, summary)).into(),
             What::Experiments => builtin::all()?.iter().map(experiment).collect(),
             What::HardCases => hard::cases().map(hard_case).collect(),
         })

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::{ContextKind as Kind, ContextValue, ErrorKind};
-use contactbench_core::refusal::no_memory;
+use contactbench_ground::limits::refusal::no_memory;
 
 use crate::cli::{say, shell};
 use contactbench_record::record::faults::Damaged;

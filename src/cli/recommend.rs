@@ -11,7 +11,7 @@ use crate::cli::shared::input::doubt_given;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::{terminal, values};
-use contactbench_core::contact::Arithmetic;
+use contactbench_ground::contact::Arithmetic;
 use contactbench_io::Given;
 use contactbench_io::boxes::along;
 use contactbench_record::record::row::Outcome;

@@ -10,9 +10,10 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
 use crate::cli::shared::tracking;
 use crate::cli::shared::{terminal, values};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::oracle::SAMPLE;
-use contactbench_core::track::{self, TrackerSpec};
+use contactbench_detectors::oracle::SAMPLE;
+use contactbench_detectors::tracker;
+use contactbench_detectors::tracker::TrackerSpec;
+use contactbench_ground::contact::Arithmetic;
 use contactbench_run::moving::{Check, Question, follow};
 use contactbench_scenes::motion::{self, Kind, Motion};
 
@@ -74,7 +75,7 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
         false => options.trackers.iter().map(String::as_str).collect(),
     };
     let trackers: Vec<TrackerSpec> =
-        texts.into_iter().map(track::parse).collect::<Result<_, _>>()?;
+        texts.into_iter().map(tracker::parse).collect::<Result<_, _>>()?;
     let Track { motion, frames, .. } = *options;
     let wanted = Wanted {
         motion,

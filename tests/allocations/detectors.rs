@@ -1,15 +1,17 @@
 //! Tests the heap memory of detectors, as the allocator counts it, against their formulas.
 
-use contactbench::contact::{Arithmetic, Test};
-use contactbench::detect::any::AnyDetector;
-use contactbench::detect::table::{DetectorSpec, Entry, TABLE, find};
-use contactbench::detect::{Options, Refusal};
-use contactbench::periodic::{Contacts, Finder, Periodic};
 use contactbench::run::runner::alloc::{Usage, measure};
 use contactbench::scene::spec::Spec;
 use contactbench::scene::{AnyScene, Lattice, Real};
-use contactbench::sink::Count;
-use contactbench::with_scene;
+use contactbench_detectors::table::{DetectorSpec, Entry, TABLE, find};
+use contactbench_ground::contact::{Arithmetic, Test};
+use contactbench_ground::detect::Options;
+use contactbench_ground::detect::any::AnyDetector;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::sink::Count;
+use contactbench_ground::periodic::{ContactList, Periodic};
+use contactbench_ground::with_scene;
+use contactbench_lists::periodic::Finder;
 
 fn scene(text: &str) -> AnyScene<'static> {
     Spec::parse(text).unwrap().make().unwrap()
@@ -76,7 +78,7 @@ fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
     let edge = (corners[1] - corners[0]) * if outside { 0.75 } else { 1.0 };
     let lattice = Lattice::along_axes([edge; 3], [true, true, false]).unwrap();
     let periodic = Periodic::new(scene, lattice).unwrap();
-    let mut contacts = Contacts::default();
+    let mut contacts = ContactList::default();
     let (mut finder, mut detector) =
         (Finder::new(1 << 30), find("nbs").unwrap().make(Options::default()));
     finder.list(&periodic, &mut *detector, arithmetic, &mut contacts).unwrap();

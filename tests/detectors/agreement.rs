@@ -4,14 +4,14 @@
 use std::time::Duration;
 
 use contactbench::check::{self, Limits};
-use contactbench::contact::{Arithmetic, Test};
-use contactbench::detect::Options;
-use contactbench::detect::any::AnyDetector;
-use contactbench::detect::table::{Entry, TABLE, parse};
-use contactbench::oracle;
 use contactbench::scene::hard::{Expect, cases};
 use contactbench::scene::{AnyScene, Radii, Scene, Stored};
-use contactbench::sink::{Digest, Visit};
+use contactbench_detectors::oracle;
+use contactbench_detectors::table::{Entry, TABLE, parse};
+use contactbench_ground::contact::{Arithmetic, Test};
+use contactbench_ground::detect::Options;
+use contactbench_ground::detect::any::AnyDetector;
+use contactbench_ground::pairs::sink::{Digest, Visit};
 
 use crate::make;
 

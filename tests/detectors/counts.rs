@@ -1,13 +1,15 @@
 //! Tests that operation counts are exact, and that counting changes no contact.
 
-use contactbench::contact::{Arithmetic, Test};
-use contactbench::detect::Options;
-use contactbench::detect::table::{self, TABLE};
-use contactbench::periodic::Contacts;
-use contactbench::probe::{Op, Tally};
 use contactbench::scene::spec::Spec;
-use contactbench::searcher::{Loaded, Searcher};
-use contactbench::sink::Digest;
+use contactbench_detectors::table;
+use contactbench_detectors::table::TABLE;
+use contactbench_ground::contact::{Arithmetic, Test};
+use contactbench_ground::detect::Options;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::periodic::ContactList;
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::probe::{Op, Tally};
+use contactbench_lists::searcher::Searcher;
 
 use crate::make;
 
@@ -44,8 +46,8 @@ fn counted(detector: &str, text: &str) -> String {
     let given = Spec::parse(text).and_then(|spec| spec.given()).unwrap();
     let exact = Arithmetic::Exact;
     let loaded = Loaded::new(&given.scene, given.lattice, exact).unwrap();
-    let mut searcher = Searcher::new(&table::parse(detector).unwrap(), Options::default());
-    let tally = searcher.count(&loaded, exact, &mut Contacts::default()).unwrap();
+    let mut searcher = Searcher::new(table::parse(detector).unwrap().make(Options::default()));
+    let tally = searcher.count(&loaded, exact, &mut ContactList::default()).unwrap();
     // Key comparisons are left out where the standard library sorts: another version may differ.
     let own = |op| {
         op != Op::KeyCompare

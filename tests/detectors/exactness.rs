@@ -3,14 +3,14 @@
 
 use std::cmp::Ordering;
 
-use contactbench::contact::depth::{depth, depth_of_image};
-use contactbench::contact::exact::{self, Label};
-use contactbench::contact::image::{self, Shift};
-use contactbench::contact::{Bodies, Test, WithBodies, with_bodies};
-use contactbench::detect::Refusal;
-use contactbench::probe::Silent;
 use contactbench::scene::{Radii, Scene};
 use contactbench_campaigns::predicate::{integer, squares};
+use contactbench_ground::contact::depth::{depth, depth_of_image};
+use contactbench_ground::contact::exact::{self, Label};
+use contactbench_ground::contact::image::{self, Shift};
+use contactbench_ground::contact::{Bodies, Test, WithBodies, with_bodies};
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::probe::Silent;
 use num_bigint::BigInt;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};

@@ -5,8 +5,8 @@ use std::path::Path;
 use contactbench::check::bytes::{
     fuzz_box, fuzz_one, fuzz_reader, fuzz_reader_of, reader, readers, scene_from_bytes,
 };
-use contactbench::contact::Arithmetic;
-use contactbench::oracle;
+use contactbench_detectors::oracle;
+use contactbench_ground::contact::Arithmetic;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

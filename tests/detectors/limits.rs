@@ -1,10 +1,12 @@
 //! Every detector stops a list of pairs at the memory limit, with one thread and with several.
 
-use contactbench::contact::Test;
-use contactbench::detect::table::TABLE;
-use contactbench::detect::{Options, Refusal};
-use contactbench::oracle::{self, NoTruth};
 use contactbench::scene::AnyScene;
+use contactbench_detectors::oracle;
+use contactbench_detectors::oracle::NoTruth;
+use contactbench_detectors::table::TABLE;
+use contactbench_ground::contact::Test;
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::refusal::Refusal;
 
 /// Returns `n` separate discs on a lattice, except that the first `heap` discs coincide.
 fn clump(n: u32, heap: u32) -> AnyScene<'static> {

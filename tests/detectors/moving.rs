@@ -1,9 +1,9 @@
 //! A short run of the campaign on moving particles (`crates/campaigns`).
 
-use contactbench::contact::Test;
 use contactbench_campaigns::moving::courses;
 use contactbench_campaigns::skin::pairs;
 use contactbench_campaigns::{Plan, What};
+use contactbench_ground::contact::Test;
 
 const PLAN: Plan = Plan { pairs: 1, seed: 7, test: Test::Exact };
 

@@ -1,10 +1,10 @@
 //! A short run of the near-tangent campaign (`crates/campaigns`): no error in exact
 //! arithmetic, and many without it.
 
-use contactbench::contact::Test;
 use contactbench_campaigns::boxes::{boxes, detectors};
 use contactbench_campaigns::predicate::run as predicate;
 use contactbench_campaigns::{Counts, Plan, Table, What};
+use contactbench_ground::contact::Test;
 
 const PLAN: Plan = Plan { pairs: 30_000, seed: 7, test: Test::Exact };
 

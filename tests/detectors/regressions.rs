@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use contactbench::check::subject::CheckedSubject;
 use contactbench::check::{self, Limits};
-use contactbench::contact::Arithmetic;
-use contactbench::detect::Options;
-use contactbench::detect::table::TABLE;
+use contactbench::io;
 use contactbench::scene::Given;
-use contactbench::{io, oracle};
+use contactbench_detectors::oracle;
+use contactbench_detectors::table::TABLE;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
 
 fn files() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/regressions");

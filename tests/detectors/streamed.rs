@@ -2,17 +2,19 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use contactbench::contact::{Arithmetic, Bodies, Slack, Test, WithBodies, with_bodies};
-use contactbench::detect::any::{DetectorOfAll, run, run_stored};
-use contactbench::detect::book::direct::Direct;
-use contactbench::detect::book::nbs::Nbs;
-use contactbench::detect::streamed::{FEWEST_FOR_THREADS, Form, Streamed};
-use contactbench::detect::{Declare, Detector, Options, Refusal, table};
-use contactbench::pair_list::{Allowance, PAIR_BYTES, PairList};
-use contactbench::probe::{Op, Probe, Silent, Tally};
 use contactbench::scene::{AnyScene, Scene, Stored};
-use contactbench::sink::Digest;
-use contactbench::wide::Level;
+use contactbench_detectors::book::direct::Direct;
+use contactbench_detectors::book::nbs::Nbs;
+use contactbench_detectors::table;
+use contactbench_ground::contact::{Arithmetic, Bodies, Slack, Test, WithBodies, with_bodies};
+use contactbench_ground::detect::any::{DetectorOfAll, run, run_stored};
+use contactbench_ground::detect::{Declare, Detector, Options};
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::pair_list::{Allowance, PAIR_BYTES, PairList};
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::probe::{Op, Probe, Silent, Tally};
+use contactbench_ground::wide::Level;
+use contactbench_streamed::{FEWEST_FOR_THREADS, Form, Streamed};
 
 use crate::make;
 
@@ -313,7 +315,7 @@ fn a_column_of_all_particles_is_divided() {
 fn pairs_where_floats_are_coarse() {
     let mut state = 1;
     let mut unit = || {
-        state = contactbench::sink::splitmix64(state);
+        state = contactbench_terms::mix::splitmix64(state);
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
     // The first scene has 270 cells along x, or 3000 columns in the flat form; the second has 2110

@@ -10,6 +10,3 @@ mod record;
 mod run;
 mod seeing;
 mod track;
-
-// Modules that the template of `new-detector` imports from its crate.
-use contactbench::{contact, detect, filter, probe, scene, sink};

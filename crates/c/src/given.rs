@@ -3,11 +3,13 @@
 use std::any::Any;
 use std::borrow::Cow;
 
-use contactbench_core::Refusal;
-use contactbench_core::oracle::NoTruth;
-use contactbench_core::refusal::no_memory;
-use contactbench_core::scene::{AnyScene, Lattice, LatticeError, Radii, Scene, SceneError, points};
-use contactbench_core::searcher::LoadError;
+use contactbench_detectors::oracle::NoTruth;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::limits::refusal::no_memory;
+use contactbench_ground::periodic::LoadError;
+use contactbench_ground::scene::{
+    AnyScene, Lattice, LatticeError, Radii, Scene, SceneError, points,
+};
 
 use crate::contactbench_scene;
 

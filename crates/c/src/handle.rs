@@ -4,11 +4,11 @@
 use std::cell::UnsafeCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::memory;
-use contactbench_core::periodic::Contacts;
-use contactbench_core::refusal::{Refusal, reserve};
-use contactbench_core::searcher::Loaded;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::limits::memory;
+use contactbench_ground::limits::refusal::{Refusal, reserve};
+use contactbench_ground::periodic::ContactList;
+use contactbench_ground::periodic::Loaded;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::contactbench_scene;
@@ -39,7 +39,7 @@ struct Worker<S> {
 /// Contacts in the caller's form.
 #[derive(Default)]
 pub struct Answer {
-    contacts: Contacts,
+    contacts: ContactList,
     /// Images of the pairs in a box: one integer per dimension and pair.
     images: Vec<i32>,
     boxed: bool,
@@ -82,7 +82,7 @@ impl<S: Send> Handle<S> {
     pub unsafe fn contacts(
         &self,
         scene: *const contactbench_scene,
-        find: impl FnOnce(&mut S, &Loaded<'_>, &mut Contacts) -> Result<bool, Refusal> + Send,
+        find: impl FnOnce(&mut S, &Loaded<'_>, &mut ContactList) -> Result<bool, Refusal> + Send,
     ) -> Result<(), Failure> {
         self.search(|search, crew, answer| {
             answer.clear();
@@ -165,12 +165,12 @@ impl Answer {
 
     /// Converts the contacts to the caller's form.
     fn finish(&mut self, boxed: bool, dim: usize) -> Result<(), Failure> {
-        contactbench_core::sink::smaller_first(&mut self.contacts.plain);
+        contactbench_ground::pairs::normalise::smaller_first(&mut self.contacts.plain);
         self.boxed = boxed;
         if !boxed {
             return Ok(());
         }
-        let Contacts { plain, shifted } = &mut self.contacts;
+        let ContactList { plain, shifted } = &mut self.contacts;
         reserve(&mut self.images, (plain.len() + shifted.len()) * dim)?;
         reserve(plain, shifted.len())?;
         self.images.resize(plain.len() * dim, 0);

@@ -12,14 +12,20 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 use std::sync::Once;
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::spec::{self, DetectorSpec, SpecError};
-use contactbench_core::detect::{Options, table};
-use contactbench_core::memory;
-use contactbench_core::oracle::{self, Errors};
-use contactbench_core::periodic::{self, Contacts, ImagePair};
-use contactbench_core::refusal::reserve;
-use contactbench_core::searcher::{Loaded, Searcher};
+use contactbench_detectors::oracle;
+use contactbench_detectors::oracle::Errors;
+use contactbench_detectors::oracle::boxes;
+use contactbench_detectors::spec;
+use contactbench_detectors::spec::{DetectorSpec, SpecError};
+use contactbench_detectors::table;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::memory;
+use contactbench_ground::limits::refusal::reserve;
+use contactbench_ground::periodic;
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::periodic::{ContactList, ImagePair};
+use contactbench_lists::searcher::Searcher;
 use given::{Failure, Given, rows};
 use handle::{Answer, Handle, pool};
 pub use tracker::*;
@@ -151,7 +157,7 @@ pub unsafe extern "C" fn contactbench_new(
         let (detector, arithmetic) = unsafe { (text(detector)?, self::arithmetic(arithmetic)?) };
         let spec = spec::parse(detector.unwrap_or(table::DEFAULT)).map_err(Failure::invalid)?;
         usable(&spec, threads)?;
-        let make = move |memory_limit| Searcher::new(&spec, Options { memory_limit, threads });
+        let make = move |memory_limit| Searcher::new(spec.make(Options { memory_limit, threads }));
         let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
         let new = Box::new(contactbench_detector { arithmetic, handle });
         // SAFETY: `made` is not null, and the caller promises that it can be written to.
@@ -225,7 +231,7 @@ pub unsafe extern "C" fn contactbench_contacts(
         let Some(detector) = (unsafe { detector.as_ref() }) else {
             return Err(Failure::invalid("the detector is NULL; make one by contactbench_new"));
         };
-        let find = |search: &mut Searcher, scene: &Loaded<'_>, contacts: &mut Contacts| {
+        let find = |search: &mut Searcher, scene: &Loaded<'_>, contacts: &mut ContactList| {
             search.list(scene, detector.arithmetic, contacts).map(|()| false)
         };
         // SAFETY: promised by the caller.
@@ -338,11 +344,11 @@ fn held(
         Loaded::Open(scene) => {
             let truth = oracle::truth_as_stored(scene, arithmetic.test(), limit)?.pairs;
             let mut pairs = copied(pairs.iter().copied())?;
-            contactbench_core::sink::normalise(&mut pairs);
+            contactbench_ground::pairs::normalise::normalise(&mut pairs);
             (truth.len(), oracle::compare(&pairs, &truth, scene))
         }
         Loaded::InBox(scene) => {
-            let truth = periodic::truth(scene, arithmetic, limit)?.pairs;
+            let truth = boxes::truth(scene, arithmetic, limit)?.pairs;
             let named = pairs.iter().zip(images.chunks(given.dim));
             let mut pairs = copied(named.map(|(&[i, j], image)| {
                 let at = |k| image.get(k).copied().unwrap_or(0);

@@ -3,11 +3,12 @@
 use std::ffi::{c_char, c_int};
 use std::ptr;
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::Options;
-use contactbench_core::periodic::Contacts;
-use contactbench_core::searcher::Loaded;
-use contactbench_core::track::{self, Tracker};
+use contactbench_detectors::tracker;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::periodic::ContactList;
+use contactbench_ground::periodic::Loaded;
+use contactbench_lists::track::Tracker;
 
 use crate::given::Failure;
 use crate::handle::Handle;
@@ -49,7 +50,7 @@ pub unsafe extern "C" fn contactbench_tracker_new(
         unsafe { made.write(ptr::null_mut()) };
         // SAFETY: the caller promises that texts end with a NUL.
         let (tracker, arithmetic) = unsafe { (text(tracker)?, super::arithmetic(arithmetic)?) };
-        let spec = track::parse(tracker.unwrap_or(DEFAULT)).map_err(Failure::invalid)?;
+        let spec = tracker::parse(tracker.unwrap_or(DEFAULT)).map_err(Failure::invalid)?;
         usable(spec.detector(), threads)?;
         let make = move |memory_limit| spec.make(Options { memory_limit, threads });
         let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
@@ -87,9 +88,10 @@ pub unsafe extern "C" fn contactbench_tracker_step(
         // SAFETY: the pointer is null, or a tracker that was created and not freed.
         let tracker = unsafe { there(tracker) }?;
         let arithmetic = tracker.arithmetic;
-        let step = |search: &mut Box<dyn Tracker>, scene: &Loaded<'_>, contacts: &mut Contacts| {
-            search.find(scene.frame(arithmetic), None, contacts).map(|step| step.built)
-        };
+        let step =
+            |search: &mut Box<dyn Tracker>, scene: &Loaded<'_>, contacts: &mut ContactList| {
+                search.find(scene.frame(arithmetic), None, contacts).map(|step| step.built)
+            };
         // SAFETY: promised by the caller.
         unsafe { tracker.handle.contacts(scene, step) }
     })

@@ -16,14 +16,17 @@
 
 use std::cmp::Ordering;
 
-use contactbench_core::contact::{Arithmetic, Test};
-use contactbench_core::detect::Options;
-use contactbench_core::detect::any::AnyDetector;
-use contactbench_core::detect::spec::DetectorSpec;
-use contactbench_core::detect::table::{Role, TABLE};
-use contactbench_core::periodic::{self, Contacts, Finder, ImagePair, Periodic};
-use contactbench_core::probe::{Op, Tally};
-use contactbench_core::scene::{AnyScene, Scene};
+use contactbench_detectors::oracle::boxes;
+use contactbench_detectors::spec::DetectorSpec;
+use contactbench_detectors::table::{Role, TABLE};
+use contactbench_ground::contact::{Arithmetic, Test};
+use contactbench_ground::detect::Options;
+use contactbench_ground::detect::any::AnyDetector;
+use contactbench_ground::periodic;
+use contactbench_ground::periodic::{ContactList, ImagePair, Periodic};
+use contactbench_ground::probe::{Op, Tally};
+use contactbench_ground::scene::{AnyScene, Scene};
+use contactbench_lists::periodic::Finder;
 
 use crate::draw::{Draw, Sphere};
 use crate::near::Lengths;
@@ -262,7 +265,7 @@ impl<const D: usize> Row<'_, D> {
         }
         for arithmetic in Arithmetic::SAFE.into_iter().filter(|&a| also && a != Arithmetic::Exact) {
             // Scenes that f32 cannot store are skipped.
-            let Ok(truth) = periodic::truth(&periodic, arithmetic, LIMIT) else { continue };
+            let Ok(truth) = boxes::truth(&periodic, arithmetic, LIMIT) else { continue };
             let touching: Vec<_> =
                 truth.pairs.into_iter().map(|pair| (pair, Ordering::Less)).collect();
             for (_, detector) in &mut detectors {
@@ -290,7 +293,7 @@ fn library(periodic: &Periodic<'_>, expected: &[(ImagePair, Ordering)]) -> Count
     let mut counts = Counts::default();
     let touching: Vec<ImagePair> =
         expected.iter().filter(|(_, truth)| truth.is_le()).map(|(pair, _)| *pair).collect();
-    match periodic::truth(periodic, Arithmetic::Exact, LIMIT) {
+    match boxes::truth(periodic, Arithmetic::Exact, LIMIT) {
         Ok(truth) => counts.add(What::Label, u64::from(truth.pairs != touching)),
         Err(_) => counts.add(What::Refused, 1),
     }
@@ -309,7 +312,7 @@ fn compare(
     expected: &[(ImagePair, Ordering)],
 ) -> Counts {
     let (mut counts, mut tally) = (Counts::default(), Tally::default());
-    let mut contacts = Contacts::default();
+    let mut contacts = ContactList::default();
     let found = finder.find(periodic, detector, arithmetic, Some(&mut tally), &mut contacts);
     counts.add(What::Refused, u64::from(found.is_err()));
     counts.add(What::Pairs, expected.len() as u64);

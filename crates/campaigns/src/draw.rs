@@ -1,6 +1,6 @@
 //! Random numbers, integer vectors of known length, and powers of two.
 
-use contactbench_core::sink::splitmix64;
+use contactbench_terms::mix::splitmix64;
 
 /// A sequence of random numbers: SplitMix64 with a seed.
 pub struct Draw(u64);

@@ -14,7 +14,7 @@ use std::ops::AddAssign;
 
 use rayon::prelude::*;
 
-use contactbench_core::contact::Test;
+use contactbench_ground::contact::Test;
 
 #[derive(Clone, Copy)]
 pub struct Plan {

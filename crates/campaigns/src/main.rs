@@ -25,7 +25,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use contactbench_campaigns::{Plan, Table, What, boxes, moving, predicate, skin};
-use contactbench_core::contact::Test;
+use contactbench_ground::contact::Test;
 
 #[derive(Parser)]
 struct Arguments {

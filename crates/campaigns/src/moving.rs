@@ -1,12 +1,14 @@
 //! Tests moving scenes of every kind in every arithmetic; each frame is compared with its truth.
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::Options;
-use contactbench_core::detect::table::{self, DetectorSpec, Role, TABLE};
-use contactbench_core::oracle;
-use contactbench_core::scene::AnyScene;
-use contactbench_core::sink::normalise;
-use contactbench_core::track::{Rule, Skin, TrackerSpec};
+use contactbench_detectors::oracle;
+use contactbench_detectors::table;
+use contactbench_detectors::table::{DetectorSpec, Role, TABLE};
+use contactbench_detectors::tracker::TrackerSpec;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::pairs::normalise::normalise;
+use contactbench_ground::scene::AnyScene;
+use contactbench_lists::track::{Rule, Skin};
 use contactbench_scenes::motion::{Frames, Kind, Motion};
 use contactbench_scenes::spec::Spec;
 

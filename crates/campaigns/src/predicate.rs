@@ -2,12 +2,12 @@
 
 use std::cmp::Ordering;
 
-use contactbench_core::contact::depth::depth;
-use contactbench_core::contact::exact::{self, Label};
-use contactbench_core::contact::{Bodies, Test, WithBodies, with_bodies};
-use contactbench_core::detect::Refusal;
-use contactbench_core::probe::{Op, Tally};
-use contactbench_core::scene::{Radii, Scene};
+use contactbench_ground::contact::depth::depth;
+use contactbench_ground::contact::exact::{self, Label};
+use contactbench_ground::contact::{Bodies, Test, WithBodies, with_bodies};
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::probe::{Op, Tally};
+use contactbench_ground::scene::{Radii, Scene};
 use nalgebra::Point;
 use num_bigint::BigInt;
 

@@ -13,10 +13,11 @@
 //! few units, with a diameter near 2^58. Displacements are a few units or several diameters, so
 //! that their sums and squares lose the units.
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::table::DetectorSpec;
-use contactbench_core::scene::{AnyScene, Scene};
-use contactbench_core::track::{Rule, Skin, TrackerSpec};
+use contactbench_detectors::table::DetectorSpec;
+use contactbench_detectors::tracker::TrackerSpec;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::scene::{AnyScene, Scene};
+use contactbench_lists::track::{Rule, Skin};
 use nalgebra::Point;
 
 use crate::draw::{Draw, Sphere, direction, power, square};

@@ -2,8 +2,8 @@
 
 use std::cmp::Ordering;
 
-use contactbench_core::periodic::{ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::scene::{AnyScene, Lattice, Radii, Scene};
 use nalgebra::Point;
 
 use crate::draw::{Draw, power};

@@ -2,12 +2,13 @@
 
 use std::borrow::Cow;
 
-use crate::contact::Test;
-use crate::detect::any::AnyDetector;
-use crate::detect::{Options, table};
-use crate::refusal::Refusal;
-use crate::scene::{AnyScene, Radii, Scene, SceneError, points};
-use crate::sink::smaller_first;
+use contactbench_ground::contact::Test;
+use contactbench_ground::detect::Options;
+use contactbench_ground::detect::any::AnyDetector;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::normalise::smaller_first;
+use contactbench_ground::scene::{AnyScene, Radii, Scene, SceneError, points};
+use contactbench_streamed::streamed;
 
 /// Errors of [`contacts`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -51,7 +52,7 @@ impl<const D: usize> Contacts<D> {
     /// Creates a finder with a memory limit and a number of threads. Threads of rayon's global pool
     /// are used if there are 30,000 particles or more.
     pub fn new(options: Options) -> Contacts<D> {
-        Contacts { detector: table::fast(options), pairs: Vec::new() }
+        Contacts { detector: streamed(None, None, options), pairs: Vec::new() }
     }
 
     /// Returns the pairs that touch, as [`contacts`] does; they are valid until the next call.

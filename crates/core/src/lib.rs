@@ -1,7 +1,7 @@
 //! Contact detection for discs (2D) and spheres (3D): which pairs touch, decided exactly.
 //!
 //! ```
-//! use contactbench_core::{Contacts, contacts};
+//! use crate::{Contacts, contacts};
 //!
 //! // Three discs of radius 1/2; the first two touch in one point.
 //! let mut centres = vec![[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]];
@@ -11,22 +11,22 @@
 //! let mut detector = Contacts::default();
 //! centres[2] = [2.0, 0.0];
 //! assert_eq!(detector.find(&centres, &[0.5])?.len(), 2);
-//! # Ok::<(), contactbench_core::Error>(())
+//! # Ok::<(), crate::Error>(())
 //! ```
 //!
 //! If particles move little from step to step, as in the discrete element method, a tracker keeps a
 //! list of near pairs and tests only those until the list must be rebuilt ([`track`]):
 //!
 //! ```
-//! use contactbench_core::contact::Test;
-//! use contactbench_core::detect::Options;
-//! use contactbench_core::scene::{AnyScene, Radii, Scene, points};
-//! use contactbench_core::track;
+//! use contactbench_ground::contact::Test;
+//! use contactbench_ground::detect::Options;
+//! use contactbench_ground::scene::{AnyScene, Radii, Scene, points};
+//! use contactbench_detectors::tracker;
 //!
 //! // Two discs of mass 1 fly at each other, and push each other away where they overlap.
 //! let (mut x, mut v) = ([[0.0, 0.0], [1.25, 0.0]], [[0.5, 0.0], [-0.5, 0.0]]);
 //! let (radius, stiffness, dt) = (0.5, 100.0, 0.01);
-//! let mut tracker = track::parse("verlet(streamed-nbs,skin=0.2)")?.make(Options::default());
+//! let mut tracker = tracker::parse("verlet(streamed-nbs,skin=0.2)")?.make(Options::default());
 //! let (mut pairs, mut built) = (Vec::new(), 0);
 //! for _ in 0..100 {
 //!     let frame: AnyScene<'_> = Scene::new(points(&x), Radii::Uniform(radius))?.into();
@@ -50,49 +50,98 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`contacts()`] takes plain slices and uses the detector `streamed-nbs`. The modules below offer
-//! all detectors of [`detect::table`], in every arithmetic, with operation counts:
+//! [`contacts()`] takes plain slices and uses the detector `streamed-nbs`. The modules offer all
+//! detectors of [`table`], in every arithmetic, with operation counts:
 //!
-//! 1. [`scene`]: centres and radii, always valid.
-//! 2. [`contact`]: the contact test, shared by all detectors. [`filter`] proves that no detector
-//!    loses a pair to rounding.
-//! 3. [`detect`]: the detectors, one file per algorithm and one entry in [`detect::table`].
-//! 4. [`probe`] counts operations, or compiles to nothing; [`event`] reports single steps. [`sink`]
-//!    turns contacts into a list, a count or a digest; a [`pair_list`] has a limit.
-//! 5. [`refusal`]: why a detector does not work on a scene. [`crowd`] predicts too many pairs;
-//!    [`memory`] has default limits.
-//! 6. [`oracle`]: the true contacts, from tests of all pairs, and the errors of a detector.
-//! 7. [`periodic`]: periodic boxes, searched by the same detectors, and their truth.
-//! 8. [`searcher`]: any detector, in boxes or in open space.
-//! 9. [`track`]: frames of moving particles, and lists that are kept between them.
-//! 10. [`wide`]: vector instructions, sixteen floats at a time.
+//! * [`scene`]: centres and radii, always valid, and boxes.
+//! * [`contact`]: the contact test.
+//! * [`detect`]: the interface of a detector, to write one.
+//! * [`table`]: all detectors, by name.
+//! * [`probe`] counts operations; [`sink`] turns contacts into a count or a digest.
+//! * [`periodic`]: scenes in periodic boxes.
+//! * [`searcher`]: any detector, in boxes or in open space.
+//! * [`track`]: frames of moving particles, and lists that are kept between them.
 //!
-//! Each module imports only modules above it (but detectors use [`wide`], and the oracle uses
-//! detectors). The crate reads no files except the system's memory size, starts no processes and
-//! draws no figures. The crate `contactbench` does all this, and measures the detectors.
+//! The crate `contactbench` measures the detectors. The crates below this one are its parts; they
+//! may change at any time.
 #![deny(missing_docs)]
 
-pub mod contact;
 mod contacts;
-pub mod detect;
-pub mod filter;
-mod limits;
-pub mod oracle;
-mod pairs;
-mod parallel;
-pub mod periodic;
-pub mod probe;
-mod radix;
-pub mod scene;
-pub mod searcher;
-pub mod track;
-pub mod wide;
 
+pub use contactbench_ground::limits::refusal::Refusal;
 pub use contacts::{Contacts, Error, contacts};
-#[doc(hidden)]
-pub use limits::pages::request as request_large_pages;
-pub use limits::refusal::Refusal;
-pub use limits::{crowd, memory, refusal};
-use pairs::normalise;
-pub use pairs::{pair_list, sink};
-pub use probe::event;
+
+/// Centres and radii, always valid, and boxes.
+pub mod scene {
+    pub use contactbench_ground::scene::{
+        AnyScene, Lattice, LatticeError, Radii, Real, Scene, SceneError, Storage, Stored, points,
+    };
+}
+
+/// The contact test, and how a scene is stored.
+pub mod contact {
+    pub use contactbench_ground::contact::{Arithmetic, Bodies, Margin, Slack, Test};
+}
+
+/// The interface of a detector.
+pub mod detect {
+    pub use contactbench_ground::detect::any::{AnyDetector, Both, Params};
+    pub use contactbench_ground::detect::{Declare, Detector, Options, within};
+}
+
+/// All detectors, by name.
+pub mod table {
+    pub use contactbench_detectors::table::{
+        DEFAULT, DetectorSpec, Entry, Group, Parameter, Role, SpecError, Speed, TABLE, find, parse,
+    };
+}
+
+/// Counters of operations.
+pub mod probe {
+    pub use contactbench_ground::probe::{Op, Probe, Silent, Tally};
+}
+
+/// Receivers of contacts.
+pub mod sink {
+    pub use contactbench_ground::pairs::sink::{Count, Digest, Sink, Visit};
+}
+
+/// Scenes in periodic boxes.
+///
+/// ```
+/// use contactbench_core::contact::Arithmetic;
+/// use contactbench_core::detect::Options;
+/// use contactbench_core::periodic::{self, Periodic};
+/// use contactbench_core::scene::{Lattice, Radii, Scene, points};
+/// use contactbench_core::table;
+///
+/// // One sphere in a unit cube touches six images of itself: three contacts, seen from both sides.
+/// let x = [[0.2, 0.3, 0.4]];
+/// let scene = Scene::new(points(&x), Radii::Uniform(0.5))?;
+/// let cube = Lattice::along_axes([1.0; 3], [true; 3])?;
+/// let scene = Periodic::new(scene.into(), cube)?;
+/// let mut detector = table::parse("nbs")?.make(Options::default());
+/// let found = periodic::contacts(&scene, &mut *detector, Arithmetic::Exact, 1 << 20)?;
+/// assert_eq!(found.iter().map(|pair| pair.image).collect::<Vec<_>>(), [
+///     [0, 0, 1],
+///     [0, 1, 0],
+///     [1, 0, 0],
+/// ]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub mod periodic {
+    pub use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, PeriodicError};
+    pub use contactbench_lists::periodic::contacts;
+}
+
+/// Any detector, in boxes or in open space, with its buffers.
+pub mod searcher {
+    pub use contactbench_ground::periodic::{Frame, LoadError, Loaded};
+    pub use contactbench_lists::searcher::Searcher;
+}
+
+/// Frames of moving particles, and neighbour lists that are kept between them.
+pub mod track {
+    pub use contactbench_detectors::tracker::{TrackerError, TrackerSpec, parse};
+    pub use contactbench_lists::track::{Rule, Skin, Step, Tracker};
+}

@@ -12,7 +12,7 @@ use anyhow::{Context, bail, ensure};
 
 use crate::Notice;
 use crate::raw::lines::{Lines, number, shown};
-use contactbench_core::scene::Lattice;
+use contactbench_ground::scene::Lattice;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Declared {

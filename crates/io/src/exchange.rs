@@ -13,9 +13,9 @@ use crate::raw::lines::Source;
 use crate::raw::room::room;
 use crate::raw::scalars::Kind;
 use crate::write::{create, scene_npy};
-use contactbench_core::periodic::{Contacts, ImagePair};
-use contactbench_core::scene::{AnyScene, Radii, Real};
-use contactbench_core::with_scene;
+use contactbench_ground::periodic::{ContactList, ImagePair};
+use contactbench_ground::scene::{AnyScene, Radii, Real};
+use contactbench_ground::with_scene;
 
 /// Writes centres as f64, and radii as one more column unless all are equal. Returns the common
 /// radius.
@@ -72,7 +72,7 @@ pub fn write_contacts(
 
 /// Reads the contacts that a runner wrote: npy `<u4` of shape (pairs, 2), C order. In a box: `<i4`
 /// of shape (pairs, 2 + dim); the last columns are the image of the second particle.
-pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Contacts> {
+pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<ContactList> {
     let name = path.display().to_string();
     let (kind, descr) = if box_dim.is_some() { (Kind::I32, "<i4") } else { (Kind::U32, "<u4") };
     let columns = 2 + box_dim.unwrap_or(0);
@@ -89,7 +89,7 @@ pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Cont
         npy::shape(&header.sizes),
         if header.fortran { " in Fortran order" } else { "" }
     );
-    let mut contacts = Contacts::default();
+    let mut contacts = ContactList::default();
     header.pieces(&mut source, header.rows, columns, |_, numbers| {
         for row in numbers.chunks_exact(columns) {
             // f64 holds every i32 and u32 exactly.

@@ -2,10 +2,10 @@ use anyhow::bail;
 
 use crate::boxes::along;
 use crate::{Notice, RadiusSource};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::periodic::Periodic;
-use contactbench_core::scene::{AnyScene, Lattice};
-use contactbench_core::searcher::{LoadError, Loaded};
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::periodic::Periodic;
+use contactbench_ground::periodic::{LoadError, Loaded};
+use contactbench_ground::scene::{AnyScene, Lattice};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Given {

@@ -57,7 +57,7 @@ pub use raw::lines::short;
 pub use raw::room::room;
 pub use without::{Groups, Without};
 
-use contactbench_core::scene::AnyScene;
+use contactbench_ground::scene::AnyScene;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum RadiusSource {

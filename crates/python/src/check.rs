@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use contactbench_core::periodic::ImagePair;
-use contactbench_core::scene::AnyScene;
+use contactbench_ground::periodic::ImagePair;
+use contactbench_ground::scene::AnyScene;
 use contactbench_run::check::subject::{Answer, CheckedSubject};
 use contactbench_run::check::{Failure as Found, Limits, Report, Verdict, Wrong, battery};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};

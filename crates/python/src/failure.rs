@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
-use contactbench_core::scene::SceneError;
-use contactbench_core::searcher::LoadError;
-use contactbench_core::{Refusal, oracle::NoTruth, refusal::no_memory};
+use contactbench_detectors::oracle::NoTruth;
+use contactbench_ground::limits::refusal::{Refusal, no_memory};
+use contactbench_ground::periodic::LoadError;
+use contactbench_ground::scene::SceneError;
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 

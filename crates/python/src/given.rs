@@ -2,11 +2,11 @@
 
 use std::borrow::Cow;
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::periodic::Contacts;
-use contactbench_core::refusal::reserve;
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene, Storage, array, points};
-use contactbench_core::with_scene;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::limits::refusal::reserve;
+use contactbench_ground::periodic::ContactList;
+use contactbench_ground::scene::{AnyScene, Lattice, Radii, Scene, Storage, array, points};
+use contactbench_ground::with_scene;
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
@@ -143,10 +143,10 @@ type Images = Py<PyArray2<i32>>;
 /// Returns the pairs (M, 2), with the smaller number first, and in a box the images (M, D).
 pub fn answer(
     py: Python<'_>,
-    contacts: Contacts,
+    contacts: ContactList,
     boxed: Option<usize>,
 ) -> PyResult<(Pairs, Option<Images>)> {
-    let Contacts { plain: mut pairs, shifted } = contacts;
+    let ContactList { plain: mut pairs, shifted } = contacts;
     let images = match boxed {
         Some(dim) => {
             let mut images = Vec::new();
@@ -180,7 +180,7 @@ pub fn made(py: Python<'_>, scene: &AnyScene<'_>) -> PyResult<Made> {
     let dim = scene.dim();
     let uniform = scene.uniform().then(|| scene.largest_radius());
     let (x, r) = with_scene!(scene, scene => {
-        use contactbench_core::scene::Real;
+        use contactbench_ground::scene::Real;
         let wide = |p| array(p).map(Real::wide);
         let x: Vec<f64> = scene.centres().iter().flat_map(wide).collect();
         let r: Vec<f64> = (0..scene.len()).map(|k| scene.radius(k).wide()).collect();

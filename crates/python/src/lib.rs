@@ -37,7 +37,7 @@ mod _contactbench {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        use contactbench_core::detect::table::{DEFAULT, Role, TABLE};
+        use contactbench_detectors::table::{DEFAULT, Role, TABLE};
         let detectors = TABLE.iter().filter(|entry| entry.role == Role::Detector);
         super::failure::quiet();
         module.add("Refused", module.py().get_type::<super::failure::Refused>())?;

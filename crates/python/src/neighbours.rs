@@ -1,7 +1,7 @@
 //! Arrays of a neighbour list, made from the contacts of particles of equal radii.
 
-use contactbench_core::periodic::{Contacts, ImagePair};
-use contactbench_core::refusal::{Refusal, reserve};
+use contactbench_ground::limits::refusal::{Refusal, reserve};
+use contactbench_ground::periodic::{ContactList, ImagePair};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
@@ -52,7 +52,7 @@ fn zeros<T: Clone + Default>(len: usize) -> Result<Vec<T>, Refusal> {
 impl Table {
     fn new(
         particles: usize,
-        contacts: &Contacts,
+        contacts: &ContactList,
         wanted: Wanted,
         shifts: bool,
     ) -> Result<Table, Refusal> {

@@ -34,7 +34,7 @@ fn paged(size: usize, more: usize, allocate: impl FnOnce() -> *mut u8) -> *mut u
     }
     let begin = allocate();
     if !begin.is_null() {
-        contactbench_core::request_large_pages(begin, size, more);
+        contactbench_ground::limits::pages::request(begin, size, more);
     }
     begin
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use contactbench_core::detect::Options;
-use contactbench_core::memory::limit_for;
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::memory::limit_for;
 use contactbench_run::recommend::race::{self, Question};
 use contactbench_run::recommend::verdict::Verdict;
 use contactbench_run::recommend::words::as_json;

@@ -2,16 +2,20 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::Options;
-use contactbench_core::detect::spec::{self, DetectorSpec, SpecError};
-use contactbench_core::memory;
-use contactbench_core::pair_list::PAIR_BYTES;
-use contactbench_core::periodic::Contacts;
-use contactbench_core::probe::Op;
-use contactbench_core::searcher::{Loaded, Searcher};
-use contactbench_core::sink::smaller_first;
-use contactbench_core::track::{self, Step, Tracker, TrackerSpec};
+use contactbench_detectors::spec;
+use contactbench_detectors::spec::{DetectorSpec, SpecError};
+use contactbench_detectors::tracker;
+use contactbench_detectors::tracker::TrackerSpec;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::memory;
+use contactbench_ground::pairs::normalise::smaller_first;
+use contactbench_ground::pairs::pair_list::PAIR_BYTES;
+use contactbench_ground::periodic::ContactList;
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::probe::Op;
+use contactbench_lists::searcher::Searcher;
+use contactbench_lists::track::{Step, Tracker};
 use numpy::{PyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
@@ -126,7 +130,7 @@ pub enum Finder {
 }
 
 pub type Working = (Finder, Option<ThreadPool>);
-type Found = (Contacts, Option<usize>, Option<Step>);
+type Found = (ContactList, Option<usize>, Option<Step>);
 
 #[derive(Clone, Copy, Default)]
 struct Done {
@@ -153,7 +157,7 @@ pub struct Search {
 fn fresh(spec: &Spec, memory_limit: u64, threads: usize) -> Result<Working, Failure> {
     let options = Options { memory_limit, threads };
     let finder = match spec {
-        Spec::Detector(spec) => Finder::Detector(Box::new(Searcher::new(spec, options))),
+        Spec::Detector(spec) => Finder::Detector(Box::new(Searcher::new(spec.make(options)))),
         Spec::Tracker(spec) => Finder::Tracker(spec.make(options)),
     };
     // A single thread needs no pool.
@@ -169,7 +173,7 @@ impl Search {
         let (arithmetic, limit) = (self.arithmetic, self.memory_limit);
         move |(finder, crew), arrays| {
             let scene = loaded(arrays, arithmetic, limit)?;
-            let mut contacts = Contacts::default();
+            let mut contacts = ContactList::default();
             // Unused capacity costs nothing; if the reservation fails, the list grows step by step.
             let most = arrays.len().saturating_mul(4).min((limit / PAIR_BYTES) as usize);
             let _ = contacts.plain.try_reserve_exact(most);
@@ -221,7 +225,7 @@ impl Search {
         memory_limit: Option<u64>,
     ) -> Result<Search, Failure> {
         let spec = match tracks {
-            true => Spec::Tracker(track::parse(text).map_err(Failure::value)?),
+            true => Spec::Tracker(tracker::parse(text).map_err(Failure::value)?),
             false => Spec::Detector(spec::parse(text).map_err(Failure::value)?),
         };
         match &spec {
@@ -279,7 +283,7 @@ impl Search {
                 return Err(Failure::value("a tracker counts no operations"));
             };
             let scene = loaded(arrays, arithmetic, limit)?;
-            let tally = searcher.count(&scene, arithmetic, &mut Contacts::default())?;
+            let tally = searcher.count(&scene, arithmetic, &mut ContactList::default())?;
             let counted = Op::ALL.iter().map(|&op| (op.name(), tally.get(op)));
             Ok(counted.filter(|&(_, count)| count > 0).collect())
         })

@@ -1,9 +1,9 @@
 //! Comparison of pair lists with the truth.
 
-use contactbench_core::memory::limit_for;
-use contactbench_core::oracle::{Causes, Errors};
-use contactbench_core::periodic::{Contacts, ImagePair, Periodic};
-use contactbench_core::scene::Lattice;
+use contactbench_detectors::oracle::{Causes, Errors};
+use contactbench_ground::limits::memory::limit_for;
+use contactbench_ground::periodic::{ContactList, ImagePair, Periodic};
+use contactbench_ground::scene::Lattice;
 use contactbench_run::check::verify::{
     Allowed, Job, Listed, Naming, Reading, Terms, Verification, causes,
 };
@@ -127,8 +127,8 @@ fn held(
 }
 
 /// Converts the pairs whose particle numbers exist.
-fn contacts(list: Listed<'_>, base: i64, n: usize) -> Contacts {
-    let mut contacts = Contacts::default();
+fn contacts(list: Listed<'_>, base: i64, n: usize) -> ContactList {
+    let mut contacts = ContactList::default();
     let place = |name: i64| {
         let place = name.checked_sub(base).and_then(|place| u32::try_from(place).ok());
         place.filter(|&place| (place as usize) < n)

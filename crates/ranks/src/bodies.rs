@@ -2,8 +2,8 @@
 
 use nalgebra::Point;
 
-use contactbench_core::refusal::reserve;
-use contactbench_core::scene::{Radii, Scene, SceneError, array};
+use contactbench_ground::limits::refusal::reserve;
+use contactbench_ground::scene::{Radii, Scene, SceneError, array};
 
 use crate::rank::Failure;
 

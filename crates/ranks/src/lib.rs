@@ -24,14 +24,14 @@ use crate::world::World;
 use contactbench::io::Given;
 use contactbench::record::origin::provenance;
 use contactbench::stats::interval::{Interval, interval, median};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::Options;
-use contactbench_core::detect::spec::DetectorSpec;
-use contactbench_core::pair_list::PAIR_BYTES;
-use contactbench_core::periodic::{Contacts, IMAGE_PAIR_BYTES};
-use contactbench_core::scene::{AnyScene, Lattice, Scene};
-use contactbench_core::searcher::Searcher;
-use contactbench_core::sink::Digest;
+use contactbench_detectors::spec::DetectorSpec;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::pairs::pair_list::PAIR_BYTES;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::periodic::{ContactList, IMAGE_PAIR_BYTES};
+use contactbench_ground::scene::{AnyScene, Lattice, Scene};
+use contactbench_lists::searcher::Searcher;
 
 #[derive(Clone, Copy)]
 pub struct Setting<'a> {
@@ -117,7 +117,7 @@ impl Row {
 /// Finds the contacts of the whole scene in one process; fails if the detector refuses.
 pub fn whole(given: &Given, setting: Setting<'_>) -> anyhow::Result<Whole> {
     let loaded = given.loaded(Arithmetic::Exact)?;
-    let mut contacts = Contacts::default();
+    let mut contacts = ContactList::default();
     searcher(setting).list(&loaded, Arithmetic::Exact, &mut contacts)?;
     Ok(Whole::of(contacts.digest()))
 }
@@ -150,7 +150,7 @@ pub fn measure(
 }
 
 fn searcher(setting: Setting<'_>) -> Searcher {
-    Searcher::new(setting.spec, Options { memory_limit: setting.memory_limit, threads: 1 })
+    Searcher::new(setting.spec.make(Options { memory_limit: setting.memory_limit, threads: 1 }))
 }
 
 fn of<const D: usize>(
@@ -166,7 +166,7 @@ where
     let bodies = together(world, Numbered::new(scene, first))?;
     let mut rank = Rank::new(world, bodies, lattice)?;
     let mut searcher = searcher(setting);
-    let mut contacts = Contacts::default();
+    let mut contacts = ContactList::default();
     let mut steps = [const { Vec::new() }; 4];
     let mut traffic = Default::default();
     for step in 0..=setting.steps {

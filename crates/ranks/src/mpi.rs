@@ -1,6 +1,6 @@
 //! Ranks that are processes of MPI.
 
-use contactbench_core::refusal::reserve;
+use contactbench_ground::limits::refusal::reserve;
 use mpi::collective::SystemOperation;
 use mpi::datatype::{Partition, PartitionMut};
 use mpi::environment::Universe;

@@ -20,12 +20,13 @@
 //!
 //! Numbers of contacts and digests of the ranks add up to those of one process ([`Rank::digest`]).
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::periodic::{Contacts, ImagePair, Periodic, PeriodicError};
-use contactbench_core::refusal::Refusal;
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene, SceneError};
-use contactbench_core::searcher::{Loaded, Searcher};
-use contactbench_core::sink::Digest;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, PeriodicError};
+use contactbench_ground::scene::{AnyScene, Lattice, Radii, Scene, SceneError};
+use contactbench_lists::searcher::Searcher;
 
 use crate::bodies::Numbered;
 use crate::slabs::Slabs;
@@ -199,7 +200,11 @@ where
     /// Replaces the contents of `contacts` by the exact contacts that belong to this rank.
     /// Particles have the rank's own numbers, with own particles first ([`Rank::id`] converts
     /// them). Fails if the detector refuses.
-    pub fn search(&self, searcher: &mut Searcher, contacts: &mut Contacts) -> Result<(), Failure> {
+    pub fn search(
+        &self,
+        searcher: &mut Searcher,
+        contacts: &mut ContactList,
+    ) -> Result<(), Failure> {
         let loaded = self.loaded();
         searcher.list(&loaded, Arithmetic::Exact, contacts).map_err(|refusal| match refusal {
             // The refusal must name the particle by its number in the whole scene.
@@ -224,7 +229,7 @@ where
 
     /// Returns number and digest of this rank's contacts, with the particle numbers of the whole
     /// scene. Both can be added over ranks.
-    pub fn digest(&self, contacts: &Contacts) -> Digest {
+    pub fn digest(&self, contacts: &ContactList) -> Digest {
         let mut digest = Digest::default();
         for &[i, j] in &contacts.plain {
             digest.image(self.id(i), self.id(j), [0; 3]);

@@ -5,7 +5,7 @@ use anyhow::{Context, ensure};
 use contactbench::io::{self, Given};
 use contactbench::scene::origin::Origin;
 use contactbench::scene::spec::Spec;
-use contactbench_core::scene::{AnyScene, Radii, Real, Scene, array};
+use contactbench_ground::scene::{AnyScene, Radii, Real, Scene, array};
 
 use crate::rank::together;
 use crate::world::World;
@@ -107,7 +107,7 @@ impl Share {
 /// the nearest centres.
 fn width(given: &Given) -> f64 {
     let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
-    contactbench_core::with_scene!(&given.scene, scene => for x in scene.centres() {
+    contactbench_ground::with_scene!(&given.scene, scene => for x in scene.centres() {
         let x = array(x)[0].wide();
         ends = [ends[0].min(x), ends[1].max(x)];
     });

@@ -28,8 +28,8 @@ use contactbench::present::table::Table;
 #[cfg(feature = "mpi")]
 use contactbench::scene::origin::Origin;
 use contactbench::stats::interval::{COVERAGE, Interval};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::table;
+use contactbench_detectors::table;
+use contactbench_ground::contact::Arithmetic;
 
 #[derive(clap::Args)]
 pub struct Ranks {

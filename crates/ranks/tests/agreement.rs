@@ -1,11 +1,11 @@
 //! Compares the contacts of a scene on several ranks with those that one process finds: for all
 //! generators and hard cases, in boxes and in open space, with all detectors.
 
-use contactbench::detect::spec::parse;
-use contactbench::detect::table::TABLE;
 use contactbench::scene::Given;
 use contactbench::scene::hard::{Expect, cases};
 use contactbench::scene::spec::Spec;
+use contactbench_detectors::spec::parse;
+use contactbench_detectors::table::TABLE;
 use contactbench_ranks::rank::Failure;
 use contactbench_ranks::share::Share;
 use contactbench_ranks::world::{World, threads};

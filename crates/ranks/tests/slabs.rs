@@ -1,16 +1,18 @@
 //! Slabs and the data sent between them, on scenes for which both can be predicted.
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::Options;
-use contactbench_core::detect::spec::parse;
-use contactbench_core::periodic::{Contacts, ImagePair, without_shift};
-use contactbench_core::refusal::Refusal;
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
-use contactbench_core::searcher::{Loaded, Searcher};
-use contactbench_core::sink::{Digest, splitmix64};
+use contactbench_detectors::spec::parse;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::periodic::{ContactList, ImagePair, without_shift};
+use contactbench_ground::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_lists::searcher::Searcher;
 use contactbench_ranks::bodies::Numbered;
 use contactbench_ranks::rank::{Failure, Rank, Traffic, together};
 use contactbench_ranks::world::{Thread, World, threads};
+use contactbench_terms::mix::splitmix64;
 
 const OPTIONS: Options = Options { memory_limit: 1 << 26, threads: 1 };
 
@@ -34,8 +36,8 @@ where
         let order: Vec<u32> = (rows.start as u32..rows.end as u32).collect();
         let bodies = Numbered::new(&scene.reordered(&order), rows.start as u64)?;
         let mut rank = Rank::new(world, bodies, lattice)?;
-        let mut searcher = Searcher::new(&spec, OPTIONS);
-        let mut contacts = Contacts::default();
+        let mut searcher = Searcher::new(spec.make(OPTIONS));
+        let mut contacts = ContactList::default();
         let mut traffic = Traffic::default();
         for _ in 0..2 {
             traffic = rank.refresh(world)?;
@@ -58,8 +60,8 @@ fn whole<const D: usize>(
 where
     for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
 {
-    let mut searcher = Searcher::new(&parse("direct").unwrap(), OPTIONS);
-    let mut contacts = Contacts::default();
+    let mut searcher = Searcher::new(parse("direct").unwrap().make(OPTIONS));
+    let mut contacts = ContactList::default();
     let loaded = Loaded::new(&scene.clone().into(), lattice, Arithmetic::Exact).unwrap();
     searcher.list(&loaded, Arithmetic::Exact, &mut contacts)?;
     contacts.sorted(scene.len(), u64::MAX)

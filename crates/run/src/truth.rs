@@ -1,8 +1,11 @@
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::oracle::{self, NoTruth};
-use contactbench_core::periodic::{self, ImagePair, Truth, without_shift};
-use contactbench_core::refusal::reserve;
-use contactbench_core::searcher::Loaded;
+use contactbench_detectors::oracle;
+use contactbench_detectors::oracle::NoTruth;
+use contactbench_detectors::oracle::boxes::{self, Truth};
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::limits::refusal::reserve;
+use contactbench_ground::periodic;
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::periodic::{ImagePair, without_shift};
 
 /// Finds the true contacts, in ascending order; lists of them may use `limit` bytes.
 pub(crate) fn truth(
@@ -11,7 +14,7 @@ pub(crate) fn truth(
     limit: u64,
 ) -> Result<Truth, NoTruth> {
     match scene {
-        Loaded::InBox(periodic) => periodic::truth(periodic, arithmetic, limit),
+        Loaded::InBox(periodic) => boxes::truth(periodic, arithmetic, limit),
         Loaded::Open(stored) => {
             let found = oracle::truth_as_stored(stored, arithmetic.test(), limit)?;
             let mut pairs = Vec::new();
@@ -30,7 +33,7 @@ pub(crate) fn touching(
     limit: u64,
 ) -> Result<Vec<ImagePair>, NoTruth> {
     match scene {
-        Loaded::InBox(periodic) => periodic::touching(periodic, arithmetic, chosen, limit),
+        Loaded::InBox(periodic) => boxes::touching(periodic, arithmetic, chosen, limit),
         Loaded::Open(stored) => {
             let pairs = oracle::touching(stored, arithmetic.test(), chosen, limit)?;
             Ok(without_shift(&pairs).collect())

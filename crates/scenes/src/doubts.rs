@@ -4,16 +4,20 @@
 
 use std::collections::BTreeSet;
 
-use contactbench_core::contact::{Arithmetic, Test};
-use contactbench_core::crowd;
-use contactbench_core::detect::{Options, Refusal, table};
-use contactbench_core::memory::limit_for;
-use contactbench_core::periodic::{self, ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Radii, Real, array};
-use contactbench_core::sink::Visit;
-use contactbench_core::with_scene;
+use contactbench_ground::contact::{Arithmetic, Test};
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::crowd;
+use contactbench_ground::limits::memory::limit_for;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::sink::Visit;
+use contactbench_ground::periodic;
+use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::scene::{AnyScene, Radii, Real, array};
+use contactbench_ground::with_scene;
 use contactbench_io::Given;
 use contactbench_io::{Notice, RadiusSource};
+use contactbench_lists::periodic::contacts;
+use contactbench_streamed::streamed;
 
 use crate::touching::particle;
 
@@ -78,10 +82,10 @@ impl Touching {
             return Some(Touching::estimated(each));
         }
         let memory_limit = limit_for(scene.len());
-        let mut detector = table::fast(Options { memory_limit, threads: 1 });
+        let mut detector = streamed(None, None, Options { memory_limit, threads: 1 });
         if let Some(periodic) = given.periodic().ok()? {
             let exact = Arithmetic::Exact;
-            let pairs = periodic::contacts(&periodic, &mut *detector, exact, memory_limit).ok()?;
+            let pairs = contacts(&periodic, &mut *detector, exact, memory_limit).ok()?;
             return Some(Touching::boxed(&periodic, &pairs));
         }
         let (mut touching, mut pairs) = (Touching::default(), 0);

@@ -11,5 +11,5 @@ pub mod spec;
 pub mod stats;
 pub mod touching;
 
-pub use contactbench_core::scene::*;
+pub use contactbench_ground::scene::*;
 pub use contactbench_io::Given;

@@ -9,12 +9,14 @@ use anyhow::{bail, ensure};
 
 use crate::generate::table::{Kind, Parameter, optional};
 use crate::stats::stats;
-use crate::touching::{in_any_box, particle, resized};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::{Options, table};
-use contactbench_core::pair_list::PAIR_BYTES;
-use contactbench_core::periodic::{Contacts, Finder, Periodic};
+use crate::touching::{in_any_box, particle};
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::pairs::pair_list::PAIR_BYTES;
+use contactbench_ground::periodic::{ContactList, Periodic};
 use contactbench_io::Given;
+use contactbench_lists::periodic::Finder;
+use contactbench_streamed::streamed;
 
 pub const NEIGHBOURS: Parameter = optional(
     "neighbours",
@@ -51,7 +53,7 @@ pub fn scaled(given: Given, wanted: f64) -> anyhow::Result<Given> {
          of pairs may take {limit} bytes here; take fewer neighbours or particles"
     );
     let factor = factor(&periodic, pairs, stats(&given, 0).packing_fraction, options)?;
-    let (scene, _) = resized(&periodic, |r| r * factor)?.into_parts();
+    let (scene, _) = periodic.resized(|r| r * factor)?.into_parts();
     // The radii are no longer those of a file, so their size gives no reason for doubts.
     Ok(Given { scene, source: None, ..given })
 }
@@ -64,7 +66,8 @@ fn factor(
     fraction: f64,
     options: Options,
 ) -> anyhow::Result<f64> {
-    let (mut detector, mut finder) = (table::fast(options), Finder::new(options.memory_limit));
+    let (mut detector, mut finder) =
+        (streamed(None, None, options), Finder::new(options.memory_limit));
     // Random particles that fill this fraction have 4 or 8 times as many neighbours.
     let ratio = 2.0 * pairs / periodic.scene().len() as f64 / fraction;
     let reach =
@@ -72,7 +75,7 @@ fn factor(
     let mut reach = if reach.is_finite() { reach * FURTHER } else { 1.0 };
     let last = (pairs.round() as usize).max(1) - 1;
     for _ in 0..MOST_SEARCHES {
-        let (larger, mut found) = (resized(periodic, |r| r * reach)?, Contacts::default());
+        let (larger, mut found) = (periodic.resized(|r| r * reach)?, ContactList::default());
         finder.list(&larger, &mut *detector, Arithmetic::Exact, &mut found)?;
         let mut squares = squares(periodic, &found);
         let more = libm::cbrt(pairs / squares.len() as f64).clamp(1.0, 2.0) * FURTHER;
@@ -95,7 +98,7 @@ fn factor(
 }
 
 /// Returns the squares of distance over sum of radii of all contacts.
-fn squares(periodic: &Periodic<'_>, contacts: &Contacts) -> Vec<f64> {
+fn squares(periodic: &Periodic<'_>, contacts: &ContactList) -> Vec<f64> {
     let (scene, vectors) = (periodic.scene(), periodic.lattice().vectors());
     let square = |[i, j]: [u32; 2], image: [i32; 3]| {
         let [(a, ra), (b, rb)] = [i, j].map(|k| particle(scene, k));

@@ -3,8 +3,8 @@ use std::str::FromStr;
 use rand::seq::SliceRandom;
 
 use crate::generate::draw::shuffler;
-use contactbench_core::scene::{AnyScene, Real, array};
-use contactbench_core::with_scene;
+use contactbench_ground::scene::{AnyScene, Real, array};
+use contactbench_ground::with_scene;
 use contactbench_terms::nearest::hint;
 
 contactbench_terms::named! {

@@ -11,7 +11,7 @@ use crate::motion::{self, Frames, Motion};
 use crate::neighbours::{NEIGHBOURS, scaled};
 pub use crate::order::Order;
 use crate::order::{morton, shuffled};
-use contactbench_core::scene::AnyScene;
+use contactbench_ground::scene::AnyScene;
 use contactbench_io::Given;
 use contactbench_terms::grammar;
 

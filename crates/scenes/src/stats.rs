@@ -6,10 +6,10 @@
 
 pub use contactbench_terms::scene::Stats;
 
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
-use contactbench_core::sink::splitmix64;
-use contactbench_core::with_scene;
+use contactbench_ground::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
+use contactbench_ground::with_scene;
 use contactbench_io::Given;
+use contactbench_terms::mix::splitmix64;
 
 /// Returns the fingerprint of the scene and its box. In open space it is [`scene_hash`]. For a box,
 /// the chain continues over the box's vectors and corner (bits of doubles) and its three periodic
@@ -229,7 +229,7 @@ mod tests {
         assert_eq!((hash.len(), &hash[..2]), (18, "0x"));
         assert_eq!(
             hash,
-            scene_hash(&scene.stored(contactbench_core::contact::Arithmetic::F32).unwrap())
+            scene_hash(&scene.stored(contactbench_ground::contact::Arithmetic::F32).unwrap())
         );
         for other in [
             plane(&[[-0.0, 1.0], [2.0, 3.0]], Radii::Uniform(0.5)),

@@ -1,12 +1,10 @@
-//! Exact contacts of a scene in its box, pairs that nearly touch, and nearest images. Open space is
-//! treated as a box without periodic vectors.
+//! Particles of a scene in its box, their gaps, and nearest images. Open space is treated as a box
+//! without periodic vectors.
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::crowd;
-use contactbench_core::detect::{Options, table};
-use contactbench_core::periodic::{self, ImagePair, Periodic, depth};
-use contactbench_core::scene::{AnyScene, Lattice, Real, Scene, array};
-use contactbench_core::with_scene;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::periodic::{ImagePair, Periodic, depth};
+use contactbench_ground::scene::{AnyScene, Lattice, Real, array};
+use contactbench_ground::with_scene;
 use contactbench_io::Given;
 
 /// Returns the scene in its periodic box, or in one without periodic vectors.
@@ -33,17 +31,6 @@ pub fn particle(scene: &AnyScene<'_>, k: u32) -> ([f64; 3], f64) {
         let along = |axis: usize| centre.get(axis).map_or(0.0, |x| x.wide());
         (std::array::from_fn(along), scene.radius(k).wide())
     })
-}
-
-/// Finds all contacts in exact arithmetic, with a detector for any sizes and positions. The contact
-/// list and the periodic images may take `limit` bytes each.
-///
-/// # Errors
-/// Fails before the search if the estimated contacts exceed the limit, or if the detector refuses.
-pub fn contacts(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
-    crowd::within(periodic.scene(), limit)?;
-    let options = Options { memory_limit: limit, ..Options::default() };
-    Ok(periodic::contacts(periodic, &mut *table::robust(options), Arithmetic::Exact, limit)?)
 }
 
 /// Returns the gap between the particles of a pair, in the units of the scene; negative if they
@@ -77,31 +64,4 @@ pub fn nearest(periodic: &Periodic<'_>, [i, j]: [u32; 2]) -> ImagePair {
         }
     }
     best.1
-}
-
-/// Returns the pairs with a positive gap of at most `part` mean radii, in order. Empty if they
-/// cannot be found.
-pub fn nearly(periodic: &Periodic<'_>, part: f64, limit: u64) -> Vec<ImagePair> {
-    let Ok(swollen) = resized(periodic, |r| r * (1.0 + part)) else { return Vec::new() };
-    let mut near = contacts(&swollen, limit).unwrap_or_default();
-    near.retain(|&pair| (-part..0.0).contains(&depth(periodic, pair)));
-    near
-}
-
-/// Returns the same scene with other radii; fails if a radius is negative or not finite.
-pub fn resized(
-    periodic: &Periodic<'_>,
-    radius: impl Fn(f64) -> f64,
-) -> anyhow::Result<Periodic<'static>> {
-    fn of<const D: usize>(
-        scene: &Scene<'_, f64, D>,
-        radius: impl Fn(f64) -> f64,
-    ) -> anyhow::Result<Scene<'static, f64, D>> {
-        Ok(Scene::new(scene.centres().to_vec(), scene.radii().map(radius))?)
-    }
-    let scene: AnyScene<'static> = match periodic.scene() {
-        AnyScene::Plane(scene) => of(&scene.widened(), radius)?.into(),
-        AnyScene::Space(scene) => of(&scene.widened(), radius)?.into(),
-    };
-    Ok(Periodic::new(scene, *periodic.lattice())?)
 }

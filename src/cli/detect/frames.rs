@@ -10,7 +10,7 @@ use crate::cli::detect::Detect;
 use crate::cli::detect::search::{Search, style};
 use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::progress::Counted;
-use contactbench_core::detect::spec::DetectorSpec;
+use contactbench_detectors::spec::DetectorSpec;
 use contactbench_io as io;
 use contactbench_io::write::{Framed, framed};
 use contactbench_terms::number::plural;

@@ -6,16 +6,17 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 
 use crate::cli::detect::Detect;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::crowd;
-use contactbench_core::detect::Options;
-use contactbench_core::detect::any::AnyDetector;
-use contactbench_core::detect::spec::DetectorSpec;
-use contactbench_core::pair_list::PAIR_BYTES;
-use contactbench_core::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, ImagePair, Periodic};
-use contactbench_core::sink::normalise_by;
+use contactbench_detectors::spec::DetectorSpec;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::detect::any::AnyDetector;
+use contactbench_ground::limits::crowd;
+use contactbench_ground::pairs::normalise::normalise_by;
+use contactbench_ground::pairs::pair_list::PAIR_BYTES;
+use contactbench_ground::periodic::{ContactList, IMAGE_PAIR_BYTES, ImagePair, Periodic};
 use contactbench_io::Given;
 use contactbench_io::write::Style;
+use contactbench_lists::periodic::Finder;
 use contactbench_run::run::runner::alloc;
 use contactbench_scenes::doubts::Touching;
 
@@ -88,7 +89,7 @@ impl Search {
             Some(periodic) => Cow::Borrowed(periodic.scene()),
         };
         crowd::within(&scene, memory_limit)?;
-        let mut contacts = Contacts::default();
+        let mut contacts = ContactList::default();
         let started = Instant::now();
         let (result, usage) = alloc::measure(|| match periodic {
             None => detector.list(&scene, arithmetic.test(), &mut contacts.plain),

@@ -4,9 +4,9 @@ use serde_json::json;
 
 use crate::cli::shared::input::Input;
 use crate::cli::shared::output::Output;
-use contactbench_core::periodic::Periodic;
-use contactbench_core::scene::Real;
-use contactbench_core::with_scene;
+use contactbench_ground::periodic::Periodic;
+use contactbench_ground::scene::Real;
+use contactbench_ground::with_scene;
 use contactbench_io::boxes::{along, outside};
 use contactbench_io::{About, Particles};
 use contactbench_terms::number::{number, plural};

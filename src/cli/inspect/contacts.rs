@@ -5,17 +5,19 @@ use std::collections::HashSet;
 use serde_json::json;
 
 use crate::cli::shared::output::Output;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::crowd::Crowd;
-use contactbench_core::detect::{Options, table};
-use contactbench_core::memory::limit_for;
-use contactbench_core::periodic::{self, IMAGE_PAIR_BYTES, ImagePair, Periodic};
-use contactbench_core::refusal::Refusal;
-use contactbench_core::scene::{Real, array};
-use contactbench_core::with_scene;
+use contactbench_detectors::near;
+use contactbench_detectors::table;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::crowd::Crowd;
+use contactbench_ground::limits::memory::limit_for;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::periodic;
+use contactbench_ground::periodic::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
+use contactbench_ground::scene::{Real, array};
+use contactbench_ground::with_scene;
 use contactbench_io::{Notice, Place, RadiusSource};
 use contactbench_scenes::doubts::{Touching, doubts, f32_spacing};
-use contactbench_scenes::touching;
 use contactbench_terms::number::{number, plural};
 
 /// Pairs are near tangent if their distance differs from the sum of their radii by less than this
@@ -48,13 +50,13 @@ impl Contacts {
         if !periodic.lattice().repeats() && 0.5 * each * n as f64 > MOST {
             return Contacts::TooMany(each);
         }
-        let pairs = match touching::contacts(periodic, limit) {
+        let pairs = match near::contacts(periodic, limit) {
             Ok(pairs) => pairs,
             Err(error) => {
-                return match error.downcast_ref() {
-                    Some(&Refusal::Pairs { found, .. }) => Contacts::Counted(found),
-                    Some(&Refusal::Crowd { each, .. }) => Contacts::TooMany(each),
-                    _ => Contacts::Refused(format!("{error:#}")),
+                return match error {
+                    Refusal::Pairs { found, .. } => Contacts::Counted(found),
+                    Refusal::Crowd { each, .. } => Contacts::TooMany(each),
+                    error => Contacts::Refused(error.to_string()),
                 };
             }
         };
@@ -62,7 +64,7 @@ impl Contacts {
         let (near, overlap) = depths.fold((0, 0.0), |(near, sum), depth| {
             (near + u64::from(depth < 2.0 * NEAR), sum + depth)
         });
-        let near = near + touching::nearly(periodic, 2.0 * NEAR, limit).len() as u64;
+        let near = near + near::nearly(periodic, 2.0 * NEAR, limit).len() as u64;
         Contacts::Found { pairs, near, overlap }
     }
 
@@ -218,7 +220,9 @@ fn in_f32(periodic: &Periodic<'_>, contacts: &Contacts) -> Option<[usize; 2]> {
     let Contacts::Found { pairs, .. } = contacts else { return None };
     let (limit, mut detector) =
         (Options::default().memory_limit, table::robust(Options::default()));
-    let rounded = periodic::contacts(periodic, &mut *detector, Arithmetic::F32, limit).ok()?;
+    let rounded =
+        contactbench_lists::periodic::contacts(periodic, &mut *detector, Arithmetic::F32, limit)
+            .ok()?;
     let known: HashSet<&ImagePair> = pairs.iter().collect();
     let both = rounded.iter().filter(|pair| known.contains(pair)).count();
     Some([pairs.len() - both, rounded.len() - both])
@@ -227,7 +231,7 @@ fn in_f32(periodic: &Periodic<'_>, contacts: &Contacts) -> Option<[usize; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_core::scene::{AnyScene, Lattice};
+    use contactbench_ground::scene::{AnyScene, Lattice};
 
     #[test]
     fn contacts_that_exceed_the_limit_are_counted() {

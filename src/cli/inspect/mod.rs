@@ -5,7 +5,7 @@ use serde_json::json;
 
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::output::Output;
-use contactbench_core::memory::limit_for;
+use contactbench_ground::limits::memory::limit_for;
 use contactbench_io as io;
 use contactbench_io::{About, Frame, Notice, Particles, Place, RadiusSource};
 use contactbench_scenes::doubts::is_scaled;

@@ -9,8 +9,8 @@ use anyhow::{Context, ensure};
 
 use crate::cli::measuring::report;
 use crate::cli::shared::terminal;
-use contactbench_core::detect::peers::PEERS;
-use contactbench_core::detect::table;
+use contactbench_detectors::peers::PEERS;
+use contactbench_detectors::table;
 use contactbench_record::record::origin::provenance;
 use contactbench_record::record::row;
 use contactbench_report::site::{self, About, Given};

@@ -2,7 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use contactbench_core::contact::Arithmetic;
+use contactbench_ground::contact::Arithmetic;
 
 /// Parses the name of an arithmetic, or of a rule; completions show the meanings.
 pub fn arithmetic() -> impl TypedValueParser<Value = Arithmetic> {

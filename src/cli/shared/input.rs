@@ -9,8 +9,8 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
 use crate::cli::shared::scene::WithIds;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::scene::AnyScene;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::scene::AnyScene;
 use contactbench_io as io;
 use contactbench_io::Given;
 use contactbench_io::{Boundaries, FileOption, Frame, Notice, Place, RadiusSource};

@@ -1,7 +1,7 @@
 //! The option `--memory-limit`.
 
 use crate::cli::shared::values;
-use contactbench_core::memory;
+use contactbench_ground::limits::memory;
 
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub struct Limit {

@@ -6,7 +6,7 @@ use anyhow::{Context, ensure};
 
 use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::values;
-use contactbench_core::scene::AnyScene;
+use contactbench_ground::scene::AnyScene;
 use contactbench_io as io;
 use contactbench_io::Given;
 

@@ -6,7 +6,7 @@ use anyhow::{Context, ensure};
 
 use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::scene::Source;
-use contactbench_core::contact::Arithmetic;
+use contactbench_ground::contact::Arithmetic;
 use contactbench_io as io;
 use contactbench_io::Given;
 use contactbench_io::{Frame, Place};

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use contactbench_core::detect::spec::DetectorSpec;
-use contactbench_core::track::TrackerSpec;
+use contactbench_detectors::spec::DetectorSpec;
+use contactbench_detectors::tracker::TrackerSpec;
 use contactbench_report::document::Block;
 use contactbench_report::table::{Cell, Table};
 use contactbench_run::moving::{Check, Followed, Moved, SEED, Tracked};

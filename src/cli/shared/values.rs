@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 
-use contactbench_core::detect::table::TABLE;
+use contactbench_detectors::table::TABLE;
 use contactbench_run::plan::{builtin, detectors};
 use contactbench_scenes::spec::GENERATORS;
 use contactbench_terms::number;

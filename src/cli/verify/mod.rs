@@ -13,7 +13,7 @@ use crate::cli::shared::input::{self, Input, Told};
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::terminal;
-use contactbench_core::contact::Arithmetic;
+use contactbench_ground::contact::Arithmetic;
 use contactbench_io::pairs::{self, List};
 use contactbench_io::{self as io, About, Frame, Particles, Without};
 use contactbench_run::check::verify::Allowed;

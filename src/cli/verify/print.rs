@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use crate::cli::shared::terminal;
 use crate::cli::verify::Verify;
-use contactbench_core::oracle::Errors;
-use contactbench_core::periodic::ImagePair;
+use contactbench_detectors::oracle::Errors;
+use contactbench_ground::periodic::ImagePair;
 use contactbench_io::boxes::along;
 use contactbench_io::pairs;
 use contactbench_report::table::Table;

@@ -7,14 +7,14 @@ use std::process::ExitCode;
 use anyhow::{Context, bail, ensure};
 
 use crate::cli::shared::terminal;
-use contactbench_core::detect::{peers, table};
+use contactbench_detectors::{peers, table};
 
 /// The detector that is written; tests compile and check it.
 const TEMPLATE: &str = include_str!("template.rs");
 const NAME: &str = "new-detector";
 const TYPE: &str = "NewDetector";
 
-const FOLDER: &str = "crates/core/src/detect";
+const FOLDER: &str = "crates/detectors/src";
 
 /// Reserved words of Rust, and names that would be confusing.
 const KEYWORDS: [&str; 60] = [
@@ -113,7 +113,7 @@ fn names(given: &str) -> anyhow::Result<Names> {
 
 fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
     let folder = root.join(FOLDER);
-    let (modules, lines) = (folder.join("mod.rs"), folder.join("table/mod.rs"));
+    let (modules, lines) = (folder.join("lib.rs"), folder.join("table/mod.rs"));
     for path in [&modules, &lines] {
         ensure!(
             path.is_file(),

@@ -4,8 +4,8 @@ use anyhow::Context;
 
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::values;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::Options;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
 use contactbench_run::run::runner::server::Server;
 
 #[derive(clap::Args)]

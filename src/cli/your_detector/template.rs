@@ -9,12 +9,13 @@
 //! * Refuses scenes over the memory limit.
 //! * Deviations from the source: none.
 
-use super::{Declare, Detector, Options, Refusal, within};
-use crate::contact::Bodies;
-use crate::filter;
-use crate::probe::{Op, Probe};
-use crate::scene::Real;
-use crate::sink::Sink;
+use contactbench_ground::contact::Bodies;
+use contactbench_ground::detect::{Declare, Detector, Options, within};
+use contactbench_ground::filter;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::sink::Sink;
+use contactbench_ground::probe::{Op, Probe};
+use contactbench_ground::scene::Real;
 
 /// Sorts along x, and tests the pairs within reach.
 pub struct NewDetector {
@@ -76,10 +77,10 @@ impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Test;
-    use crate::detect::any;
-    use crate::probe::Tally;
-    use crate::scene::Scene;
+    use contactbench_ground::contact::Test;
+    use contactbench_ground::detect::any;
+    use contactbench_ground::probe::Tally;
+    use contactbench_ground::scene::Scene;
 
     /// Four tangent discs in a row, and one far away. Tests of all detectors include this one; here
     /// is the place for tests of its own.

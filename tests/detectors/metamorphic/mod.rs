@@ -26,11 +26,12 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use contactbench::check;
-use contactbench::contact::Arithmetic;
-use contactbench::detect::table::{Entry, TABLE};
-use contactbench::detect::{Options, Refusal};
 use contactbench::scene::Scene;
-use contactbench::sink::normalise;
+use contactbench_detectors::table::{Entry, TABLE};
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::normalise::normalise;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use rand::SeedableRng;

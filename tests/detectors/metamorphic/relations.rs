@@ -1,7 +1,7 @@
 //! The metamorphic relations: each change of a scene, and why its effect is exact.
 
-use contactbench::contact::Arithmetic;
 use contactbench::scene::{Radii, Scene, array};
+use contactbench_ground::contact::Arithmetic;
 use nalgebra::Point;
 use rand::RngExt;
 use rand::seq::SliceRandom;

@@ -1,9 +1,9 @@
 //! Scenes for the relations: tangent and decimal lattices, clouds, clusters and lines, with
 //! particles moved by one bit, of very different sizes, or far away.
 
-use contactbench::contact::Arithmetic;
 use contactbench::scene::{AnyScene, Radii, Real, Scene, array};
-use contactbench::with_scene;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::with_scene;
 use proptest::prelude::*;
 
 use super::Flat;

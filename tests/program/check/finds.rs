@@ -4,14 +4,16 @@ use std::time::{Duration, Instant};
 
 use contactbench::check::numbers::{Numbers, bits};
 use contactbench::check::{self, Failure, Limits, Wrong, regression};
-use contactbench::contact::{Arithmetic, Bodies};
-use contactbench::detect::any::Both;
-use contactbench::detect::table::{self, Entry, PLAIN};
-use contactbench::detect::{Declare, Detector, Options, Refusal};
 use contactbench::io;
-use contactbench::probe::Probe;
 use contactbench::scene::{Given, Lattice, Radii, Real, Scene};
-use contactbench::sink::Sink;
+use contactbench_detectors::table;
+use contactbench_detectors::table::{Entry, PLAIN};
+use contactbench_ground::contact::{Arithmetic, Bodies};
+use contactbench_ground::detect::any::Both;
+use contactbench_ground::detect::{Declare, Detector, Options};
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::sink::Sink;
+use contactbench_ground::probe::Probe;
 
 use crate::common::Place;
 

@@ -2,7 +2,7 @@
 
 use std::process::Stdio;
 
-use contactbench::detect::table::{Role, TABLE};
+use contactbench_detectors::table::{Role, TABLE};
 
 use crate::common::{PROGRAM, Place, ended, npy, pairs, program};
 

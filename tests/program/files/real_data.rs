@@ -3,11 +3,12 @@
 
 use std::path::PathBuf;
 
-use contactbench::contact::{Arithmetic, Test};
-use contactbench::detect::Options;
-use contactbench::detect::table::TABLE;
-use contactbench::sink::Digest;
-use contactbench::{io, oracle};
+use contactbench::io;
+use contactbench_detectors::oracle;
+use contactbench_detectors::table::TABLE;
+use contactbench_ground::contact::{Arithmetic, Test};
+use contactbench_ground::detect::Options;
+use contactbench_ground::pairs::sink::Digest;
 
 #[test]
 fn real_sets_have_their_number_of_contacts() {

@@ -4,8 +4,8 @@ use std::process::{Command, Stdio};
 
 use clap::{CommandFactory, Parser};
 use contactbench::cli::Cli;
-use contactbench::detect::table::TABLE;
 use contactbench::plan::builtin;
+use contactbench_detectors::table::TABLE;
 
 use crate::common::{PROGRAM, Place, ended, npy, program};
 
@@ -43,8 +43,8 @@ fn examples_of_the_help_run() {
     at.file("flow.dump", dump);
     let lists = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n0\nITEM: ENTRIES c_1[1] c_1[2]\n";
     at.file("lists.dump", lists);
-    let core = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/core/src/detect");
-    at.shell(&format!("mkdir -p crates/core/src; cp -r {core} crates/core/src"));
+    let core = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/detectors/src");
+    at.shell(&format!("mkdir -p crates/detectors; cp -r {core} crates/detectors"));
     for verb in Cli::command().get_subcommands() {
         let name = verb.get_name();
         let page = include_str!("../cases/pages/help.txt");

@@ -6,11 +6,12 @@ use std::path::Path;
 
 use contactbench::check::subject::CheckedSubject;
 use contactbench::check::{self, Limits};
-use contactbench::contact::Arithmetic;
-use contactbench::detect::any::Both;
-use contactbench::detect::table::{Entry, PLAIN};
-use contactbench::detect::{Declare, Detector, Options, Refusal, within};
-use contactbench::{contact, sink};
+use contactbench_detectors::table::{Entry, PLAIN};
+use contactbench_ground::contact;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::detect::any::Both;
+use contactbench_ground::pairs::sink;
 
 use crate::common::Place;
 
@@ -19,7 +20,7 @@ mod written;
 use written::NewDetector;
 
 const TEMPLATE: &str = include_str!("../../../src/cli/your_detector/template.rs");
-const FOLDER: &str = "crates/core/src/detect";
+const FOLDER: &str = "crates/detectors/src";
 
 static ENTRY: Entry =
     Entry { name: "new-detector", constructor: Both::<NewDetector, NewDetector>::boxed, ..PLAIN };
@@ -52,7 +53,7 @@ fn what_is_written_works() {
 fn checkout() -> Place {
     let at = Place::new();
     std::fs::create_dir_all(at.path(FOLDER).join("table")).unwrap();
-    for name in ["mod.rs", "table/mod.rs"] {
+    for name in ["lib.rs", "table/mod.rs"] {
         let from = Path::new(env!("CARGO_MANIFEST_DIR")).join(FOLDER).join(name);
         std::fs::copy(from, at.path(FOLDER).join(name)).unwrap();
     }
@@ -94,8 +95,8 @@ fn the_lines_come_to_their_places() {
         let file = &after[&format!("{module}.rs")];
         assert_eq!(*file, TEMPLATE.replace("new-detector", name).replace("NewDetector", kind));
         // The module list stays sorted, and attributes stay with their modules.
-        assert_eq!(added(&before["mod.rs"], &after["mod.rs"]), [format!("pub mod {module};")]);
-        let modules = after["mod.rs"].lines().filter_map(|line| line.strip_prefix("pub mod "));
+        assert_eq!(added(&before["lib.rs"], &after["lib.rs"]), [format!("pub mod {module};")]);
+        let modules = after["lib.rs"].lines().filter_map(|line| line.strip_prefix("pub mod "));
         assert!(modules.clone().is_sorted(), "{:?}", modules.collect::<Vec<_>>());
         // The table gains one entry, before the controls.
         let table = &after["table/mod.rs"];
@@ -117,7 +118,7 @@ fn in_an_unexpected_tree_nothing_is_changed_and_the_lines_are_printed() {
     }
     for (file, old, words) in [
         ("table/mod.rs", "pub static TABLE", "constructor: Both::<super::quick_tree::QuickTree"),
-        ("mod.rs", "pub mod ", "pub mod quick_tree;"),
+        ("lib.rs", "pub mod ", "pub mod quick_tree;"),
     ] {
         let checkout = checkout();
         let name = format!("{FOLDER}/{file}");

@@ -4,10 +4,12 @@
 
 use std::path::Path;
 
-use contactbench::detect::peers::{self, PEERS};
-use contactbench::detect::table::{self, Role};
 use contactbench::record::role;
 use contactbench::record::row::{Outcome, Row};
+use contactbench_detectors::peers;
+use contactbench_detectors::peers::PEERS;
+use contactbench_detectors::table;
+use contactbench_detectors::table::Role;
 
 use crate::common::{Place, ended, program};
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 
-use contactbench::sink::{Digest, Sink};
+use contactbench_ground::pairs::sink::{Digest, Sink};
 use serde_json::Value;
 
 use crate::common::{Place, npy, pairs, program};
@@ -79,7 +79,7 @@ fn the_transcript_is_what_the_program_says() {
     assert!(runner.wait().unwrap().success());
     for name in ["pairs.npy", "first.npy"] {
         let mut pairs = pairs(&at.path(name));
-        contactbench::sink::normalise(&mut pairs);
+        contactbench_ground::pairs::normalise::normalise(&mut pairs);
         assert_eq!(pairs, [[0, 1], [1, 2]], "{name}");
     }
 }

@@ -8,7 +8,7 @@ use contactbench::record::folder::ledger::{self, Entry, Ledger, Span};
 use contactbench::record::folder::seal;
 use contactbench::record::origin::provenance;
 use contactbench::record::row::{Outcome, Pass, Row};
-use contactbench::wide::Level;
+use contactbench_ground::wide::Level;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 

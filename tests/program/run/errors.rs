@@ -1,8 +1,8 @@
 //! Tests the errors that a record counts: by cause, in every arithmetic, on hard cases with earlier
 //! scenes or without a valid one.
 
-use contactbench::oracle::Errors;
 use contactbench::record::row::{Outcome, Pass};
+use contactbench_detectors::oracle::Errors;
 
 use super::{EMPTY, rows};
 use crate::common::{answers, runner, say};

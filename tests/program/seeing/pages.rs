@@ -66,7 +66,7 @@ fn a_page_steps_in_a_browser() {
     assert_eq!(browser.run("return location.hash"), "#20");
     let step = &trace.steps[20];
     assert_eq!(text("words"), step.words);
-    let tests = step.tally.get(contactbench::probe::Op::ContactTest);
+    let tests = step.tally.get(contactbench_ground::probe::Op::ContactTest);
     let counts = text("counts");
     assert!(counts.as_str().unwrap().ends_with(&format!("contact test {tests}")), "{counts}");
     let contacts = browser.run("return $('contacts').getAttribute('d').split('M').length - 1");

@@ -1,8 +1,9 @@
 //! Tests drawings of scenes, contacts and mistakes.
 
-use contactbench::periodic::{Periodic, without_shift};
-use contactbench::scene::touching::{contacts, in_open_space};
+use contactbench::scene::touching::in_open_space;
 use contactbench::views::draw::{self, Highlighted, Look};
+use contactbench_detectors::near::contacts;
+use contactbench_ground::periodic::{Periodic, without_shift};
 
 use super::{discs, scene};
 

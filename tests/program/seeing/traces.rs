@@ -1,9 +1,10 @@
 //! Tests that traces follow the detectors, and show the states printed in the book.
 
-use contactbench::contact::Test;
-use contactbench::detect::{Options, table};
-use contactbench::probe::Tally;
 use contactbench::views::trace::{Algorithm, Trace, example, page, trace};
+use contactbench_detectors::table;
+use contactbench_ground::contact::Test;
+use contactbench_ground::detect::Options;
+use contactbench_ground::probe::Tally;
 
 use super::{ALL, discs, scene};
 
@@ -151,7 +152,7 @@ fn the_other_examples_are_shown_as_printed() {
     let tree = trace(Algorithm::BinaryTree, None).unwrap();
     assert_eq!(tree.steps.len(), 78);
     assert_eq!(links(&tree, 77, 'E'), [-1, -1, -1, -1, -1, -1, -1, -1, -1, 1]);
-    let nodes = tree.tally.get(contactbench::probe::Op::NodeVisit);
+    let nodes = tree.tally.get(contactbench_ground::probe::Op::NodeVisit);
     assert!(nodes > 10 * 8, "{nodes}");
 }
 

@@ -12,13 +12,14 @@
 use std::hint::black_box;
 use std::process::{Command, ExitCode};
 
-use contactbench_core::contact::Test;
-use contactbench_core::detect::any::run;
-use contactbench_core::detect::book::direct::Direct;
-use contactbench_core::detect::table::{self, Role, TABLE};
-use contactbench_core::detect::{Declare, Options};
-use contactbench_core::probe::{Silent, Tally};
-use contactbench_core::scene::{AnyScene, Radii, Scene, Stored, array};
+use contactbench_detectors::book::direct::Direct;
+use contactbench_detectors::table;
+use contactbench_detectors::table::{Role, TABLE};
+use contactbench_ground::contact::Test;
+use contactbench_ground::detect::any::run;
+use contactbench_ground::detect::{Declare, Options};
+use contactbench_ground::probe::{Silent, Tally};
+use contactbench_ground::scene::{AnyScene, Radii, Scene, Stored, array};
 use contactbench_scenes::spec::Spec;
 
 /// Direct checking without a probe, in rounded arithmetic and with one radius.

@@ -8,7 +8,7 @@ use super::list::List;
 use super::push;
 use crate::frames::{Choice, Reader, Step};
 use crate::raw::lines::{Lines, number, shown, whole, words};
-use contactbench_core::sink::splitmix64;
+use contactbench_terms::mix::splitmix64;
 
 const FORMAT: &str = "MercuryDPM fstat";
 

@@ -13,7 +13,7 @@ pub(crate) use crate::columns::{Column, Columns, DECIMAL_COMMAS, Rows, is_decima
 use crate::raw::lines::{listed, short};
 use crate::raw::room::{room, room_for};
 use crate::{About, Groups, Loaded, Notice, Options, RadiusSource};
-use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene};
+use contactbench_ground::scene::{AnyScene, Lattice, Radii, Scene};
 
 #[derive(Debug, PartialEq)]
 pub enum Centres {

@@ -2,7 +2,7 @@
 
 use anyhow::ensure;
 
-use contactbench_core::memory;
+use contactbench_ground::limits::memory;
 
 /// Makes room for one more value. The list grows by a quarter instead of doubling, because it takes
 /// most of the memory.

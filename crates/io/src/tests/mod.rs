@@ -9,8 +9,8 @@ mod series;
 
 use super::*;
 use crate::formats::npy::MAGIC;
-use contactbench_core::scene::{Real, array};
-use contactbench_core::with_scene;
+use contactbench_ground::scene::{Real, array};
+use contactbench_ground::with_scene;
 
 const NONE: Options = Options::NONE;
 const HALF: Options = Options { radius: Some(0.5), ..NONE };

@@ -1,7 +1,7 @@
 //! Reading and writing NumPy arrays.
 
 use super::*;
-use contactbench_core::periodic::ImagePair;
+use contactbench_ground::periodic::ImagePair;
 
 /// Writes pairs without a scene, so their particles do not exist.
 fn written(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {

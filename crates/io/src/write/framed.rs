@@ -9,7 +9,7 @@ use anyhow::{Context, bail, ensure};
 use super::row::{Extra, Number, Style};
 use super::{PairFormat, format, whole};
 use crate::formats::npy;
-use contactbench_core::periodic::ImagePair;
+use contactbench_ground::periodic::ImagePair;
 
 pub struct Framed<'a> {
     out: &'a mut dyn Write,

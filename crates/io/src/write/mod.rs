@@ -8,7 +8,7 @@
 //!
 //! [`Style`] adds ids and further columns, [`framed()`] the frame. Scenes are written as CSV,
 //! extended XYZ or npy. Numbers are the shortest that read back to the same bits. Pairs keep their
-//! order; [`contactbench_core::sink::normalise`] gives the usual one.
+//! order; [`contactbench_ground::pairs::normalise::normalise`] gives the usual one.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -18,9 +18,9 @@ use anyhow::{Context, bail, ensure};
 
 use crate::Given;
 use crate::formats::npy;
-use contactbench_core::periodic::{ImagePair, Periodic};
-use contactbench_core::scene::{Lattice, Real, Scene, array};
-use contactbench_core::with_scene;
+use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::scene::{Lattice, Real, Scene, array};
+use contactbench_ground::with_scene;
 use row::turned;
 
 mod framed;

@@ -3,10 +3,11 @@
 use std::io::{self, Write};
 
 use crate::raw::room::room;
-use contactbench_core::contact::depth::depth;
-use contactbench_core::periodic::{self, ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Real, array};
-use contactbench_core::with_scene;
+use contactbench_ground::contact::depth::depth;
+use contactbench_ground::periodic;
+use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::scene::{AnyScene, Real, array};
+use contactbench_ground::with_scene;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extra {

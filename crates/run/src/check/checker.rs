@@ -7,10 +7,10 @@ use super::shrink::shrink;
 use super::subject::{CheckedSubject, Question, Respondent};
 use super::{Failure, Limits, MOST_BYTES, Report, Wrong};
 use crate::truth::truth;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::Options;
-use contactbench_core::oracle::NoTruth;
-use contactbench_core::scene::AnyScene;
+use contactbench_detectors::oracle::NoTruth;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::scene::AnyScene;
 use contactbench_io::Given;
 
 pub(super) struct Checker<'a> {

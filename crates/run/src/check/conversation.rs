@@ -10,8 +10,8 @@ use crate::check::subject::Answer;
 use crate::run::machine::disk;
 use crate::run::runner::protocol::{Found, Reply, Request};
 use crate::run::runner::trajectory::Trajectory;
-use contactbench_core::scene::Scene;
-use contactbench_core::sink::Digest;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::scene::Scene;
 use contactbench_io::Given;
 
 #[derive(Debug, Default)]

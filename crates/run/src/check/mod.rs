@@ -32,9 +32,9 @@ use shrink::Effort;
 use subject::CheckedSubject;
 pub use wrong::{Differences, Wrong};
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::Options;
-use contactbench_core::detect::table::Entry;
+use contactbench_detectors::table::Entry;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
 use contactbench_io::Given;
 
 /// Memory limit in bytes: enough for every scene of the battery, and available on small machines.

@@ -1,7 +1,7 @@
 //! A scene as a list of numbers, which the shrinker changes one by one.
 
-use contactbench_core::scene::{AnyScene, Radii, Real, SceneError, array};
-use contactbench_core::with_scene;
+use contactbench_ground::scene::{AnyScene, Radii, Real, SceneError, array};
+use contactbench_ground::with_scene;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers {

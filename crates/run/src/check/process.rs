@@ -16,10 +16,10 @@ use crate::run::machine::disk;
 use crate::run::runner::client::{self, Client, NO_REPLY, Start};
 use crate::run::runner::protocol::{self, Reply, Request};
 use crate::run::runner::trajectory::Trajectory;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::memory::most_of_one;
-use contactbench_core::periodic::Contacts;
-use contactbench_core::sink::Digest;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::limits::memory::most_of_one;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::periodic::ContactList;
 use contactbench_io::Given;
 use contactbench_io::exchange;
 use contactbench_record::record::row::Outcome;
@@ -186,7 +186,7 @@ impl Process {
         }
     }
 
-    fn pairs(&mut self, given: &Given) -> Result<Option<Contacts>, Stop> {
+    fn pairs(&mut self, given: &Given) -> Result<Option<ContactList>, Stop> {
         let n = given.scene.len();
         let box_dim = given.lattice.map(|_| given.scene.dim());
         let path: PathBuf = self.folder.path().join("pairs.npy");

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::check::Failure;
 use crate::check::numbers::Numbers;
-use contactbench_core::scene::AnyScene;
+use contactbench_ground::scene::AnyScene;
 use contactbench_io::write::{self, SceneFormat};
 
 macro_rules! kept {

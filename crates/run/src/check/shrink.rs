@@ -14,7 +14,7 @@
 use std::time::{Duration, Instant};
 
 use crate::check::numbers::{Numbers, bits, difference, rounded, scaled};
-use contactbench_core::scene::AnyScene;
+use contactbench_ground::scene::AnyScene;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {

@@ -12,20 +12,23 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
 use anyhow::Context;
-use contactbench_core::refusal::no_memory;
+use contactbench_ground::limits::refusal::no_memory;
 
 use crate::check::process::{Foreign, Process};
 use crate::check::{Differences, Wrong};
 use crate::run::judge::outcome;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::table::DetectorSpec;
-use contactbench_core::detect::{Options, Refusal};
-use contactbench_core::oracle;
-use contactbench_core::periodic::{Contacts, ImagePair, Truth};
-use contactbench_core::scene::AnyScene;
-use contactbench_core::searcher::{Loaded, Searcher};
-use contactbench_core::sink::{Digest, Sink};
+use contactbench_detectors::oracle;
+use contactbench_detectors::oracle::boxes::Truth;
+use contactbench_detectors::table::DetectorSpec;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::sink::{Digest, Sink};
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::periodic::{ContactList, ImagePair};
+use contactbench_ground::scene::AnyScene;
 use contactbench_io::Given;
+use contactbench_lists::searcher::Searcher;
 
 /// Name of the threads that run detectors; panics in them are findings, not defects of the check.
 pub const THREAD: &str = "detector under test";
@@ -159,7 +162,7 @@ pub fn answer(
     arithmetic: Arithmetic,
     expected: Expected,
 ) -> Answer {
-    let mut contacts = Contacts::default();
+    let mut contacts = ContactList::default();
     let mut reported = 0;
     let both = || {
         match scene {
@@ -286,7 +289,7 @@ fn serve(spec: &DetectorSpec, options: Options, jobs: &Receiver<Job>, answers: &
             searcher = None;
         }
         let answer = answer(
-            searcher.get_or_insert_with(|| Searcher::new(spec, options)),
+            searcher.get_or_insert_with(|| Searcher::new(spec.make(options))),
             &job.scene,
             job.arithmetic,
             job.expected,

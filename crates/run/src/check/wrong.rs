@@ -1,8 +1,8 @@
 use std::fmt;
 use std::time::Duration;
 
-use contactbench_core::periodic::ImagePair;
-use contactbench_core::sink::Digest;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::periodic::ImagePair;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wrong {

@@ -1,14 +1,14 @@
 use super::names::{Nearest, Onward, repeating, sum};
 use super::through::Through;
 use super::*;
-use contactbench_core::contact::image::{Shift, compare};
-use contactbench_core::contact::swept::touches_within;
-use contactbench_core::oracle::random;
-use contactbench_core::scene::{AnyScene, Lattice};
-use contactbench_core::sink::splitmix64;
-use contactbench_core::track;
+use contactbench_detectors::oracle::random;
+use contactbench_detectors::tracker;
+use contactbench_ground::contact::image::{Shift, compare};
+use contactbench_ground::contact::swept::touches_within;
+use contactbench_ground::scene::{AnyScene, Lattice};
 use contactbench_scenes::motion::{Frames, Kind, Motion};
 use contactbench_scenes::spec::Spec;
+use contactbench_terms::mix::splitmix64;
 
 const LIMIT: u64 = 1 << 26;
 
@@ -26,7 +26,7 @@ fn followed(frames: &[Given], trackers: &[&str]) -> Followed {
 
 fn checked(frames: &[Given], trackers: &[&str], check: Check) -> Followed {
     let trackers: Vec<TrackerSpec> =
-        trackers.iter().map(|text| track::parse(text).unwrap()).collect();
+        trackers.iter().map(|text| tracker::parse(text).unwrap()).collect();
     let question = Question {
         trackers: &trackers,
         arithmetic: Arithmetic::Exact,

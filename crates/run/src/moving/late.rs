@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::hash::Hash;
 
 use super::names::Names;
-use contactbench_core::periodic::ImagePair;
+use contactbench_ground::periodic::ImagePair;
 
 /// Contacts that were not reported in a frame in which they existed.
 ///

@@ -12,13 +12,15 @@ mod through;
 
 use std::time::{Duration, Instant};
 
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::{Options, Refusal};
-use contactbench_core::oracle::random;
-use contactbench_core::periodic::{Contacts, ImagePair};
-use contactbench_core::searcher::Loaded;
-use contactbench_core::track::{Tracker, TrackerSpec};
+use contactbench_detectors::oracle::random;
+use contactbench_detectors::tracker::TrackerSpec;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::periodic::{ContactList, ImagePair};
 use contactbench_io::Given;
+use contactbench_lists::track::Tracker;
 use contactbench_scenes::touching::in_any_box;
 
 use crate::truth;
@@ -85,7 +87,7 @@ impl Tracked {
 struct Follower {
     tracker: Box<dyn Tracker>,
     tracked: Tracked,
-    contacts: Contacts,
+    contacts: ContactList,
 }
 
 /// Runs all trackers on the frames, and compares them with the truth. `frame` returns the frame of
@@ -116,7 +118,7 @@ pub fn follow(
                 bytes: 0,
                 refused: None,
             },
-            contacts: Contacts::default(),
+            contacts: ContactList::default(),
         })
         .collect();
     let (mut survey, mut check) = (Survey::default(), question.check);

@@ -6,8 +6,8 @@
 //! its last position. C expresses the current box vectors by those of the first frame, which move
 //! with the box. Then S·C + Wi - Wj does not change.
 
-use contactbench_core::periodic::{ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Lattice};
+use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::scene::{AnyScene, Lattice};
 use contactbench_scenes::touching::particle;
 
 /// A matrix of whole numbers, with one row for each box vector.

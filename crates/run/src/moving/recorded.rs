@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use contactbench_core::scene::Lattice;
+use contactbench_ground::scene::Lattice;
 use contactbench_io::Given;
 use contactbench_io::boxes::along;
 use contactbench_io::{About, Particles};

@@ -1,6 +1,6 @@
 use super::names::Names;
 use super::through::Through;
-use contactbench_core::periodic::{ImagePair, Periodic};
+use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_terms::moved::Moved;
 
 #[derive(Default)]
@@ -66,8 +66,8 @@ fn common(a: &[ImagePair], b: &[ImagePair]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_core::periodic::without_shift;
-    use contactbench_core::scene::AnyScene;
+    use contactbench_ground::periodic::without_shift;
+    use contactbench_ground::scene::AnyScene;
     use contactbench_scenes::touching::in_open_space;
 
     #[test]

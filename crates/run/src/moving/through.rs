@@ -12,16 +12,19 @@
 //! most ri + rj + displacements + A, with A = sum of wv |H'v - Hv| and B = sum of |gv| |H'v - Hv|.
 
 use super::names::{Onward, centres, repeating, sum};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::contact::exact::label;
-use contactbench_core::contact::image::{Shift, compare};
-use contactbench_core::contact::swept::touches_within;
-use contactbench_core::detect::{Options, table};
-use contactbench_core::oracle::NoTruth;
-use contactbench_core::periodic::{self, ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Radii, Real, Scene};
-use contactbench_core::track::distance_bound;
-use contactbench_core::with_scene;
+use contactbench_detectors::oracle::NoTruth;
+use contactbench_detectors::oracle::boxes;
+use contactbench_detectors::table;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::contact::exact::label;
+use contactbench_ground::contact::image::{Shift, compare};
+use contactbench_ground::contact::swept::touches_within;
+use contactbench_ground::detect::Options;
+use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::scene::{AnyScene, Radii, Real, Scene};
+use contactbench_ground::with_scene;
+use contactbench_lists::periodic;
+use contactbench_lists::track::distance_bound;
 
 /// Relative rounding error of sums of about a dozen terms.
 const ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
@@ -140,7 +143,7 @@ impl<'a> Through<'a> {
         let options = Options { memory_limit, threads: 1 };
         let exact = Arithmetic::Exact;
         let near = match chosen {
-            Some(chosen) => periodic::touching(&wider, exact, chosen, memory_limit),
+            Some(chosen) => boxes::touching(&wider, exact, chosen, memory_limit),
             None => periodic::contacts(&wider, &mut *table::fast(options), exact, memory_limit)
                 .map_err(NoTruth::from),
         };

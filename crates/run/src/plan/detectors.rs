@@ -3,9 +3,12 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use contactbench_core::detect::peers::{self, PEERS};
-use contactbench_core::detect::table::{self, Group, SpecError, TABLE};
-use contactbench_core::track::{self, TrackerError};
+use contactbench_detectors::peers;
+use contactbench_detectors::peers::PEERS;
+use contactbench_detectors::table;
+use contactbench_detectors::table::{Group, SpecError, TABLE};
+use contactbench_detectors::tracker;
+use contactbench_detectors::tracker::TrackerError;
 use contactbench_record::experiment::twice;
 use contactbench_record::record::role::Role;
 use contactbench_terms::nearest::hint;
@@ -111,7 +114,7 @@ pub fn normal(name: &str) -> String {
 }
 
 fn written(name: &str) -> Result<String, TrackerError> {
-    let spec = track::parse(name)?;
+    let spec = tracker::parse(name)?;
     // A detector without a tracker is not renamed to `every-step(...)`, which does the same.
     Ok(if is_tracker(name) { spec.to_string() } else { spec.detector().to_string() })
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 
 pub use self::scenes::{id, specs};
-use contactbench_core::memory::default_limit;
+use contactbench_ground::limits::memory::default_limit;
 use contactbench_record::experiment::{
     Bars, Document, Experiment, ExternalRunner, FigureKind, Planned, PlannedSubject, Where,
 };
@@ -157,7 +157,7 @@ fn subjects(experiment: &Experiment) -> Vec<PlannedSubject> {
         for name in &experiment.detectors {
             // Sequential detectors, and peers that were not compiled, run with one thread. A
             // tracker runs with as many threads as its detector.
-            let spec = contactbench_core::track::parse(name);
+            let spec = contactbench_detectors::tracker::parse(name);
             let entry = spec.as_ref().map(|spec| spec.detector().entry);
             let role = entry.map_or(Role::Peer, |entry| detectors::role(entry.role));
             let several = entry.is_ok_and(|entry| entry.threads);

@@ -1,6 +1,6 @@
 //! Subjects of a race: their times so far, and the rules by which slow subjects drop out.
 
-use contactbench_core::detect::table::Entry;
+use contactbench_detectors::table::Entry;
 use contactbench_record::record::row::Row;
 use contactbench_record::stats::interval::{Blocks, Interval, median, ratio};
 
@@ -123,7 +123,7 @@ impl Rule {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_core::detect::table::TABLE;
+    use contactbench_detectors::table::TABLE;
 
     #[test]
     fn one_look_that_was_disturbed_ends_nobody_and_two_remain() {

@@ -14,7 +14,7 @@ use crate::run::runner::client::{Client, Failure, Start};
 use crate::run::runner::protocol::{Found, Hello, Reply, Request, Sample, Steps};
 use crate::run::stage::Stage;
 use crate::run::subject::Subject;
-use contactbench_core::contact::Arithmetic;
+use contactbench_ground::contact::Arithmetic;
 use contactbench_record::record::role::Role;
 use contactbench_record::record::row::{self, Outcome, Pass, Row};
 use contactbench_scenes::stats::coordination;

@@ -20,9 +20,8 @@ use crate::run::passes::Running;
 use crate::run::plan::{self, Job, describe};
 use crate::run::runner::client::Failure;
 use crate::run::subject::{Subject, subjects};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::scene::SceneError;
-use contactbench_core::sink::splitmix64;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::scene::SceneError;
 use contactbench_io::Given;
 use contactbench_io::Place;
 use contactbench_record::cells::cells;
@@ -36,6 +35,7 @@ use contactbench_scenes::generate::hard;
 use contactbench_scenes::spec::Spec;
 use contactbench_scenes::stats;
 use contactbench_scenes::stats::Stats;
+use contactbench_terms::mix::splitmix64;
 
 /// The fastest detector of a scene, and the runner-up.
 pub struct Found {

@@ -6,9 +6,10 @@ use std::time::Duration;
 
 use crate::plan::{self, THREADS, detectors, memory_limit, says_threads};
 use crate::run::runner::client::{Client, Failure, Start};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::scene::AnyScene;
-use contactbench_core::track::{self, TrackerSpec};
+use contactbench_detectors::tracker;
+use contactbench_detectors::tracker::TrackerSpec;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::scene::AnyScene;
 use contactbench_record::experiment::{Experiment, ExternalRunner, PlannedSubject};
 use contactbench_record::record::id::{CellId, split_subject};
 use contactbench_record::record::role::Role;
@@ -121,7 +122,7 @@ fn of_plan(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Subject> {
         // Names were checked when the experiment was read. So a name that does not parse is a peer
         // that was not compiled.
         let PlannedSubject { name, threads, .. } = planned;
-        let spec = track::parse(name);
+        let spec = tracker::parse(name);
         let with = |threads| {
             let mut start = start(&own(&path, name, arithmetic, threads, limit), "", threads);
             // A tracker may use the limit once for its lists and once for its detector.

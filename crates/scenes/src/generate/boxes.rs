@@ -15,7 +15,7 @@ use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
 use crate::generate::table::{Kind, Parameter, optional};
 use crate::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge};
-use contactbench_core::scene::{AnyScene, Lattice, Scene};
+use contactbench_ground::scene::{AnyScene, Lattice, Scene};
 use contactbench_io::Given;
 use contactbench_io::boxes::Axes;
 

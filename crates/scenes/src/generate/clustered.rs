@@ -22,7 +22,7 @@ use crate::generate::boxes::filled;
 use crate::generate::loose::uniform;
 use crate::generate::table::{Generator, Kind, Parameter, Preset, number};
 use crate::generate::{Inputs, OF_BODIES, fraction};
-use contactbench_core::scene::{AnyScene, Scene};
+use contactbench_ground::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
 pub const GENERATOR: Generator = Generator {

@@ -21,8 +21,8 @@ use anyhow::ensure;
 use crate::generate::draw::Draw;
 use crate::generate::table::{Generator, Kind, number};
 use crate::generate::{DIAMETER, Inputs, room};
-use contactbench_core::contact::exact;
-use contactbench_core::scene::Scene;
+use contactbench_ground::contact::exact;
+use contactbench_ground::scene::Scene;
 
 pub const GENERATOR: Generator = Generator {
     name: "couples",

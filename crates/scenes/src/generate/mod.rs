@@ -27,7 +27,7 @@ use anyhow::Context;
 use nalgebra::Point;
 use table::{Kind, Parameter, number};
 
-use contactbench_core::scene::{Radii, Scene};
+use contactbench_ground::scene::{Radii, Scene};
 
 /// The inputs of a generator: everything in a [`crate::spec::Spec`] except the order.
 pub struct Inputs<'a> {

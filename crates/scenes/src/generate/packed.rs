@@ -25,7 +25,7 @@ use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
 use crate::generate::table::{Generator, Kind, Parameter, Preset, number};
 use crate::generate::{Inputs, OF_BODIES, assemble};
-use contactbench_core::scene::{AnyScene, Scene};
+use contactbench_ground::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
 pub const GENERATOR: Generator = Generator {

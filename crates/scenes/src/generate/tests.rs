@@ -1,11 +1,14 @@
 use crate::spec::{GENERATORS, Spec};
 use crate::stats::{hash, stats};
-use crate::touching::{contacts, in_any_box, resized};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::oracle;
-use contactbench_core::periodic::{self, ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Radii, Real, Stored, array};
-use contactbench_core::with_scene;
+use crate::touching::in_any_box;
+use contactbench_detectors::near::contacts;
+use contactbench_detectors::oracle;
+use contactbench_detectors::oracle::boxes;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::periodic;
+use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::scene::{AnyScene, Radii, Real, Stored, array};
+use contactbench_ground::with_scene;
 use contactbench_io::Given;
 
 fn given(text: &str) -> Given {
@@ -19,7 +22,7 @@ pub(super) fn make(text: &str) -> AnyScene<'static> {
 
 fn in_box(text: &str) -> (Periodic<'static>, Vec<ImagePair>) {
     let periodic = given(text).periodic().unwrap().unwrap();
-    let truth = periodic::truth(&periodic, Arithmetic::Exact, 1 << 30).unwrap();
+    let truth = boxes::truth(&periodic, Arithmetic::Exact, 1 << 30).unwrap();
     (periodic, truth.pairs)
 }
 
@@ -321,7 +324,7 @@ fn neighbours_are_as_many_as_asked_for() {
             assert_eq!(given.source, None, "{text}");
             let scene = in_any_box(&given).unwrap();
             for by in [1.0 - 1e-10, 1.0, 1.0 + 1e-10] {
-                let pairs = contacts(&resized(&scene, |r| r * by).unwrap(), 1 << 30).unwrap();
+                let pairs = contacts(&scene.resized(|r| r * by).unwrap(), 1 << 30).unwrap();
                 let each = 2.0 * pairs.len() as f64 / scene.scene().len() as f64;
                 assert_eq!(each, expected, "{text}, {wanted}, {by}");
             }
@@ -364,8 +367,9 @@ fn book_packs_touch_exactly() {
 /// coordinates are rounded.
 #[test]
 fn tangent_pairs_touch_and_textbook_filters_lose_them() {
-    use contactbench_core::contact::Test;
-    use contactbench_core::detect::{Options, table};
+    use contactbench_detectors::table;
+    use contactbench_ground::contact::Test;
+    use contactbench_ground::detect::Options;
     for (text, lossy) in [
         ("couples:n=2000", false),
         ("couples:n=2000,dim=3,diameter=0.1,offset=-10", true),
@@ -375,7 +379,7 @@ fn tangent_pairs_touch_and_textbook_filters_lose_them() {
         let truth = |arithmetic| oracle::truth(&scene, arithmetic).unwrap().digest.contacts;
         assert_eq!(truth(Arithmetic::Exact), 1000, "{text}");
         let (rounded, mut found) =
-            (truth(Arithmetic::Textbook), contactbench_core::sink::Count::default());
+            (truth(Arithmetic::Textbook), contactbench_ground::pairs::sink::Count::default());
         let mut nbs = table::find("nbs").unwrap().make(Options::default());
         nbs.visit(&scene, Test::Textbook, &mut found).unwrap();
         assert_eq!(found.0 < rounded, lossy, "{text}: {} of {rounded}", found.0);

@@ -1,7 +1,7 @@
 //! Building blocks of the hard cases. Positions have three coordinates; 2D scenes drop the third.
 
 use crate::generate::draw::Draw;
-use contactbench_core::scene::{Lattice, Radii, Scene, SceneError};
+use contactbench_ground::scene::{Lattice, Radii, Scene, SceneError};
 use contactbench_io::Given;
 
 /// The scenes that one detector gets in turn, or an error if a scene is invalid.

@@ -89,19 +89,19 @@ pub struct Case {
 pub enum Expect {
     /// Number of contacts in 2D and in 3D, known by construction.
     Contacts([u64; 2]),
-    /// The answer of [`contactbench_core::oracle::truth`], or in a box
-    /// [`contactbench_core::periodic::truth()`].
+    /// The answer of [`contactbench_detectors::oracle::truth`], or in a box
+    /// [`contactbench_detectors::oracle::boxes::truth()`].
     Oracle,
-    /// The scene is invalid: making it fails with a [`contactbench_core::scene::SceneError`] that
+    /// The scene is invalid: making it fails with a [`contactbench_ground::scene::SceneError`] that
     /// names the particle.
     Invalid,
 }
 
-/// A kind of [`contactbench_core::detect::Refusal`] that is accepted.
+/// A kind of [`contactbench_ground::limits::refusal::Refusal`] that is accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Allowed {
-    /// [`contactbench_core::detect::Refusal::Domain`] or
-    /// [`contactbench_core::detect::Refusal::Extent`].
+    /// [`contactbench_ground::limits::refusal::Refusal::Domain`] or
+    /// [`contactbench_ground::limits::refusal::Refusal::Extent`].
     Domain,
     Memory,
 }
@@ -133,7 +133,7 @@ impl Case {
     }
 
     /// Returns the scenes that one detector gets in turn, at least one. For an invalid case, the
-    /// error holds the [`contactbench_core::scene::SceneError`].
+    /// error holds the [`contactbench_ground::scene::SceneError`].
     pub fn steps(&self, dim: u32) -> anyhow::Result<Vec<Given>> {
         ensure!(
             self.dims.contains(&dim),

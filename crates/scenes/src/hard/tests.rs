@@ -5,16 +5,20 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use super::*;
 use crate::spec::{Order, Spec};
 use crate::stats::hash;
-use contactbench_core::contact::{Arithmetic, Bodies, WithBodies, with_bodies};
-use contactbench_core::detect::book::mask;
-use contactbench_core::detect::table::{Entry, Role, TABLE};
-use contactbench_core::detect::{Options, Refusal};
-use contactbench_core::filter::cells::Cells;
-use contactbench_core::oracle::{self, NoTruth};
-use contactbench_core::periodic::{self, Contacts, Finder};
-use contactbench_core::probe::{Silent, Tally};
-use contactbench_core::scene::{AnyScene, Real, SceneError, Stored};
-use contactbench_core::sink::Digest;
+use contactbench_detectors::book::mask;
+use contactbench_detectors::oracle;
+use contactbench_detectors::oracle::NoTruth;
+use contactbench_detectors::oracle::boxes;
+use contactbench_detectors::table::{Entry, Role, TABLE};
+use contactbench_ground::contact::{Arithmetic, Bodies, WithBodies, with_bodies};
+use contactbench_ground::detect::Options;
+use contactbench_ground::filter::cells::Cells;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::periodic::ContactList;
+use contactbench_ground::probe::{Silent, Tally};
+use contactbench_ground::scene::{AnyScene, Real, SceneError, Stored};
+use contactbench_lists::periodic::Finder;
 
 /// Returns all valid cases in all their dimensions, with their scenes.
 fn valid() -> impl Iterator<Item = (&'static Case, u32, Vec<Given>)> {
@@ -59,7 +63,7 @@ fn truth(steps: &[Given], arithmetic: Arithmetic) -> Result<Digest, NoTruth> {
     let last = &steps[steps.len() - 1];
     match last.periodic().unwrap() {
         None => oracle::truth(&last.scene, arithmetic).map(|truth| truth.digest),
-        Some(last) => periodic::truth(&last, arithmetic, 1 << 30).map(|truth| truth.digest),
+        Some(last) => boxes::truth(&last, arithmetic, 1 << 30).map(|truth| truth.digest),
     }
 }
 
@@ -104,7 +108,7 @@ fn last_answer(
     let mut detector = entry.make(Options::default());
     let mut last = None;
     for step in steps {
-        let (mut counted, mut listed) = (Contacts::default(), Contacts::default());
+        let (mut counted, mut listed) = (ContactList::default(), ContactList::default());
         let answers = match step.periodic().unwrap() {
             Some(step) => {
                 let mut finder = Finder::new(1 << 30);

@@ -1,6 +1,6 @@
 use super::tests::{coordinates, edges, motion, scene};
 use super::*;
-use contactbench_core::scene::Lattice;
+use contactbench_ground::scene::Lattice;
 
 pub(super) const BOXES: [&str; 6] = [
     "loose:dim=2,n=60,fraction=0.4,periodic=true",

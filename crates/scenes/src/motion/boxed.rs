@@ -14,7 +14,7 @@ use nalgebra::Point;
 
 use super::Kind;
 use super::paths::between_walls;
-use contactbench_core::scene::{Lattice, Scene, array};
+use contactbench_ground::scene::{Lattice, Scene, array};
 
 pub(super) struct Boxed<const D: usize> {
     first: Lattice,

@@ -15,7 +15,7 @@ use std::str::FromStr;
 use anyhow::{Context, bail, ensure};
 
 use self::paths::Paths;
-use contactbench_core::scene::{AnyScene, Lattice, Scene, Storage, Stored};
+use contactbench_ground::scene::{AnyScene, Lattice, Scene, Storage, Stored};
 use contactbench_io::Given;
 use contactbench_terms::grammar::Spec;
 use contactbench_terms::nearest::hint;

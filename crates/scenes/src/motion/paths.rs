@@ -5,7 +5,7 @@ use nalgebra::Point;
 use super::boxed::{Boxed, brought};
 use super::{Kind, Motion, diameter};
 use crate::generate::draw::Draw;
-use contactbench_core::scene::{Lattice, Scene};
+use contactbench_ground::scene::{Lattice, Scene};
 
 /// Number of frames after which a particle gets a new velocity in [`Kind::Brownian`].
 const PERIOD: u64 = 100;

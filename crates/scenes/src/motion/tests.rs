@@ -1,9 +1,9 @@
 use super::box_tests::{BOXES, goes};
 use super::*;
 use crate::spec::Spec;
-use contactbench_core::scene::{Real, array};
-use contactbench_core::sink::splitmix64;
-use contactbench_core::with_scene;
+use contactbench_ground::scene::{Real, array};
+use contactbench_ground::with_scene;
+use contactbench_terms::mix::splitmix64;
 
 pub(super) fn scene(text: &str) -> Given {
     Spec::parse(text).unwrap().given().unwrap()

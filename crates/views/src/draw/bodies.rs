@@ -4,9 +4,9 @@ use std::collections::HashMap;
 
 use anyhow::ensure;
 
-use contactbench_core::periodic::{ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Real, array};
-use contactbench_core::with_scene;
+use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::scene::{AnyScene, Real, array};
+use contactbench_ground::with_scene;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {

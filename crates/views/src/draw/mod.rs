@@ -37,7 +37,7 @@ use plane::Plane;
 pub use plane::Slice;
 use sheet::Sheet;
 
-use contactbench_core::periodic::Periodic;
+use contactbench_ground::periodic::Periodic;
 use contactbench_terms::number::number;
 
 /// Maximum number of particles in a picture. More would look like a grey surface, and few viewers

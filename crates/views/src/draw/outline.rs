@@ -1,7 +1,7 @@
 //! The faces of a box, as lines in the drawn plane.
 
 use crate::draw::plane::{Plane, Rectangle, hull};
-use contactbench_core::scene::Lattice;
+use contactbench_ground::scene::Lattice;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {

@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use anyhow::{Context, bail, ensure};
 
-use contactbench_core::periodic::{ImagePair, Periodic, depth};
+use contactbench_detectors::near::{contacts, nearly};
+use contactbench_ground::periodic::{ImagePair, Periodic, depth};
 use contactbench_io::boxes;
 use contactbench_io::pairs::List;
-use contactbench_scenes::touching::{contacts, nearest, nearly};
+use contactbench_scenes::touching::nearest;
 
 /// A pair is nearly tangent if its overlap or gap is below this share of its mean radius.
 pub const NEAR: f64 = 1e-6;
@@ -144,7 +145,7 @@ fn through_images(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_core::scene::AnyScene;
+    use contactbench_ground::scene::AnyScene;
     use contactbench_scenes::touching::in_open_space;
 
     #[test]

@@ -12,7 +12,7 @@ use anyhow::{bail, ensure};
 use crate::draw::bodies::particles;
 use crate::draw::plane::{Circle, Plane};
 use crate::draw::{Highlighted, Slice};
-use contactbench_core::periodic::{ImagePair, Periodic};
+use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_terms::number::{number, plural};
 
 /// Maximum size of a page in bytes, because larger pages open slowly.

@@ -2,11 +2,11 @@
 //!
 //! The book gives the cells of its particles, not their centres. Here, centres are chosen in the
 //! same cells of a 10 x 10 grid with edge 10 (or a little more, see
-//! [`contactbench_core::filter::cells`]) and a radius of 5. Some particles touch; particles 4 and
+//! [`contactbench_ground::filter::cells`]) and a radius of 5. Some particles touch; particles 4 and
 //! 10 of the ten touch exactly.
 
 use crate::trace::Algorithm;
-use contactbench_core::scene::{AnyScene, Scene};
+use contactbench_ground::scene::{AnyScene, Scene};
 
 pub struct Example {
     pub name: &'static str,

@@ -10,7 +10,7 @@
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 //!
-//! The detectors report their steps as events ([`contactbench_core::event`]) to a [`recorder`], a
+//! The detectors report their steps as events ([`contactbench_ground::probe::event`]) to a [`recorder`], a
 //! probe that also counts their operations.
 //!
 //! * [`state`]: contents of the arrays; `words`: a sentence for each step.
@@ -30,15 +30,15 @@ mod words;
 use anyhow::{Context, ensure};
 use recorder::{Names, Recorder, Step};
 
-use contactbench_core::contact::{Arithmetic, any_bodies};
-use contactbench_core::detect::book::binary_tree::BinaryTree;
-use contactbench_core::detect::book::nbs::Nbs;
-use contactbench_core::detect::book::screening::Screening;
-use contactbench_core::detect::book::sorting::Sorting;
-use contactbench_core::detect::{Declare, Detector, Options};
-use contactbench_core::filter::Cells;
-use contactbench_core::probe::{Op, Silent, Tally};
-use contactbench_core::scene::{AnyScene, Stored, array};
+use contactbench_detectors::book::binary_tree::BinaryTree;
+use contactbench_detectors::book::nbs::Nbs;
+use contactbench_detectors::book::screening::Screening;
+use contactbench_detectors::book::sorting::Sorting;
+use contactbench_ground::contact::{Arithmetic, any_bodies};
+use contactbench_ground::detect::{Declare, Detector, Options};
+use contactbench_ground::filter::Cells;
+use contactbench_ground::probe::{Op, Silent, Tally};
+use contactbench_ground::scene::{AnyScene, Stored, array};
 
 pub const MOST_PARTICLES: usize = 60;
 /// Maximum number of cells along an axis, borders included.

@@ -2,8 +2,8 @@
 
 use crate::trace::state::State;
 use crate::trace::{Algorithm, Disc, MOST_STEPS, words};
-use contactbench_core::event::{Event, Part};
-use contactbench_core::probe::{Op, Probe, Tally};
+use contactbench_ground::probe::event::{Event, Part};
+use contactbench_ground::probe::{Op, Probe, Tally};
 
 /// How particles and cells are numbered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

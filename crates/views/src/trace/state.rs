@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::trace::Algorithm;
 use crate::trace::arrays::{Kind, blocks};
-use contactbench_core::event::Event;
+use contactbench_ground::probe::event::Event;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slot {

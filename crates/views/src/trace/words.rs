@@ -1,7 +1,7 @@
 use crate::trace::Algorithm;
 use crate::trace::recorder::{Marks, Names, Recorder};
 use crate::trace::state::links;
-use contactbench_core::event::{Event, Part};
+use contactbench_ground::probe::event::{Event, Part};
 use contactbench_terms::number::plural;
 
 /// Returns the texts shown before and after the steps of an algorithm.

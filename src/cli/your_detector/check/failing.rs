@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use super::Check;
-use contactbench_core::detect::spec;
-use contactbench_core::memory::default_limit;
-use contactbench_core::periodic::{self, ImagePair, depth};
+use contactbench_detectors::oracle::boxes;
+use contactbench_detectors::spec;
+use contactbench_ground::limits::memory::default_limit;
+use contactbench_ground::periodic::{ImagePair, depth};
 use contactbench_run::check::{Differences, Failure, Report, Wrong, regression};
 use contactbench_scenes::touching::{in_any_box, particle};
 use contactbench_terms::number::{mean_radii, plural};
@@ -108,7 +109,7 @@ fn picture(failure: &Failure) -> Option<String> {
     let Failure { detector, arithmetic, found, smallest, wrong, .. } = failure;
     let (smallest, limit) = (in_any_box(smallest).ok()?, default_limit());
     let mut pairs = Highlighted::from_scene(&smallest, limit).ok()?;
-    pairs.contacts = periodic::truth(&smallest, *arithmetic, limit).ok()?.pairs;
+    pairs.contacts = boxes::truth(&smallest, *arithmetic, limit).ok()?.pairs;
     let wrong = wrong.as_ref().unwrap_or(found);
     if let Wrong::Pairs(Differences { missed, spurious, selves, duplicate }) = wrong {
         pairs.contacts.retain(|pair| missed.binary_search(pair).is_err());

@@ -6,8 +6,9 @@ use anyhow::{bail, ensure};
 
 use super::Check;
 use super::failing::last_words;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::table::{self, TABLE};
+use contactbench_detectors::table;
+use contactbench_detectors::table::TABLE;
+use contactbench_ground::contact::Arithmetic;
 use contactbench_run::check::process::{Foreign, Met};
 use contactbench_run::check::subject::CheckedSubject;
 use contactbench_run::check::{Limits, Wrong, conversation};

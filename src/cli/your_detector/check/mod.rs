@@ -16,8 +16,8 @@ use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::input::{Input, OPTIONS, doubt_given};
 use crate::cli::shared::{terminal, values};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::Options;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
 use contactbench_run::check::{self, Limits, Report, Verdict, Wrong, subject};
 use contactbench_run::run::machine::interrupt;
 

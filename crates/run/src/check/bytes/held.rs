@@ -5,14 +5,16 @@ use crate::check::numbers::Numbers;
 use crate::check::subject::{Answer, Expected, answer};
 use crate::check::{Wrong, as_csv};
 use crate::truth::truth;
-use contactbench_core::contact::{Arithmetic, exact};
-use contactbench_core::detect::spec::DetectorSpec;
-use contactbench_core::detect::table::TABLE;
-use contactbench_core::detect::{Options, Refusal};
-use contactbench_core::oracle::{self, NoTruth};
-use contactbench_core::scene::{AnyScene, Lattice};
-use contactbench_core::searcher::Searcher;
+use contactbench_detectors::oracle;
+use contactbench_detectors::oracle::NoTruth;
+use contactbench_detectors::spec::DetectorSpec;
+use contactbench_detectors::table::TABLE;
+use contactbench_ground::contact::{Arithmetic, exact};
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::scene::{AnyScene, Lattice};
 use contactbench_io::Given;
+use contactbench_lists::searcher::Searcher;
 
 /// Low memory limit, so that detectors refuse large arrays, which would slow a fuzzer down.
 const OPTIONS: Options = Options { memory_limit: 1 << 22, threads: 1 };
@@ -57,7 +59,7 @@ pub fn fuzz_box(data: &[u8]) {
 /// Compares every detector with the truth on each scene; if `keep`, detectors keep their buffers
 /// between scenes. In open space, variants (parameters, vector instructions) are compared, too.
 fn hold(scenes: &[Given], keep: bool) {
-    let fresh = |spec: &DetectorSpec| Searcher::new(spec, OPTIONS);
+    let fresh = |spec: &DetectorSpec| Searcher::new(spec.make(OPTIONS));
     let entries = TABLE.iter().filter(|entry| entry.must_be_right());
     let open = scenes.iter().all(|given| given.lattice.is_none());
     let mut detectors: Vec<_> = entries

@@ -22,7 +22,7 @@ pub use held::{fuzz_box, fuzz_one};
 pub use readers::{fuzz_reader, fuzz_reader_of, reader, readers};
 
 use crate::check::numbers::Numbers;
-use contactbench_core::scene::{AnyScene, SceneError};
+use contactbench_ground::scene::{AnyScene, SceneError};
 
 const MOST: usize = 64;
 

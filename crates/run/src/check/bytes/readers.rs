@@ -1,7 +1,7 @@
 //! Fuzzing of readers: any bytes are a particle file or a contact list.
 
 use crate::check::as_csv;
-use contactbench_core::scene::Lattice;
+use contactbench_ground::scene::Lattice;
 use contactbench_io as io;
 use contactbench_io::Given;
 

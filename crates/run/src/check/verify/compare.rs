@@ -1,8 +1,8 @@
 //! Compares a contact list with the true contacts.
 
 use crate::check::verify::listing::Listing;
-use contactbench_core::oracle::Errors;
-use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
+use contactbench_detectors::oracle::Errors;
+use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, depth};
 use contactbench_scenes::touching::{gap, nearest};
 
 /// Widest gap of a pair that a skin may explain, in mean radii.
@@ -23,9 +23,9 @@ pub enum Taken {
 #[derive(Clone, Copy)]
 pub(super) struct Against<'a> {
     pub space: &'a Periodic<'a>,
-    pub truth: &'a Contacts,
+    pub truth: &'a ContactList,
     /// All pairs within the skin; empty if there is no skin.
-    pub near: &'a Contacts,
+    pub near: &'a ContactList,
     /// Largest gap of a pair that may be listed without being a contact, as a length.
     pub skin: f64,
     pub kept: usize,
@@ -65,7 +65,7 @@ impl Against<'_> {
         }
     }
 
-    fn compare(&self, listed: &Contacts, truth: &Contacts) -> Compared {
+    fn compare(&self, listed: &ContactList, truth: &ContactList) -> Compared {
         let mut found = Compared::default();
         differences(&listed.plain, &truth.plain, |kind, [i, j]| {
             self.note(&mut found, kind, ImagePair::new(i, j, [0; 3]));
@@ -104,7 +104,7 @@ impl Against<'_> {
     }
 
     /// Returns, for each touching pair, the image with the largest overlap.
-    pub fn deepest(&self) -> Contacts {
+    pub fn deepest(&self) -> ContactList {
         let ends = |pair: &ImagePair| [pair.i, pair.j];
         let deep = |pair: ImagePair| depth(self.space, pair);
         let mut shifted = Vec::new();
@@ -125,7 +125,7 @@ impl Against<'_> {
         let plain = self.truth.plain.iter().enumerate();
         let stays = plain.filter(|(place, _)| beaten.next_if_eq(place).is_none());
         let plain = stays.map(|(_, &pair)| pair).collect();
-        Contacts { plain, shifted }
+        ContactList { plain, shifted }
     }
 
     fn deepest_first(&self, pairs: impl Iterator<Item = ImagePair>) -> Vec<ImagePair> {
@@ -141,7 +141,7 @@ impl Against<'_> {
 
     /// Assigns images to a list without images. Each pair gets its touching images, the deepest
     /// first; then images within the skin; if it has neither, its nearest image.
-    fn with_images(&self, listed: &Contacts, once: bool) -> Contacts {
+    fn with_images(&self, listed: &ContactList, once: bool) -> ContactList {
         let mut resolved = Vec::new();
         for same in listed.plain.chunk_by(|a, b| a == b) {
             let pair = same[0];
@@ -161,14 +161,14 @@ impl Against<'_> {
             let images = images.into_iter().chain(std::iter::repeat(last));
             resolved.extend(images.take(same.len()));
         }
-        let mut resolved: Contacts = resolved.into_iter().collect();
+        let mut resolved: ContactList = resolved.into_iter().collect();
         resolved.sort();
         resolved
     }
 }
 
-fn several(contacts: &Contacts) -> bool {
-    let Contacts { plain, shifted } = contacts;
+fn several(contacts: &ContactList) -> bool {
+    let ContactList { plain, shifted } = contacts;
     let same = |w: &[ImagePair]| (w[0].i, w[0].j) == (w[1].i, w[1].j);
     shifted.windows(2).any(same)
         || shifted.iter().any(|pair| plain.binary_search(&[pair.i, pair.j]).is_ok())

@@ -6,9 +6,9 @@ use anyhow::{Context, bail, ensure};
 
 use crate::check::verify::{self, Allowed, Job, Listed, Meaning, Mistake, Naming, Reading};
 use crate::check::verify::{Terms, Verification};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::periodic::{ImagePair, Periodic};
-use contactbench_core::scene::{AnyScene, Lattice};
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::scene::{AnyScene, Lattice};
 use contactbench_io::pairs::List;
 use contactbench_io::{self as io, About, Given, Notice, Particles, boxes};
 use contactbench_scenes::doubts::Touching;

@@ -1,7 +1,7 @@
 //! Guesses the periods of a box that no file declares, from listed pairs that are far apart.
 
 use crate::check::verify::compare::FAR;
-use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
+use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, depth};
 use contactbench_scenes::touching::particle;
 
 const ENOUGH: usize = 3;
@@ -13,8 +13,8 @@ pub(super) type Periods = [Option<f64>; 3];
 /// pairs. `None` if there are fewer than [`ENOUGH`] such pairs, or no box fits them all.
 pub(super) fn periods(
     space: &Periodic<'_>,
-    listed: &Contacts,
-    truth: &Contacts,
+    listed: &ContactList,
+    truth: &ContactList,
 ) -> Option<(Periods, Vec<[u32; 2]>)> {
     let scene = space.scene();
     let mut far = listed.plain.clone();

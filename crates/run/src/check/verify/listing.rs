@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use anyhow::{Context, bail};
 
-use contactbench_core::periodic::{Contacts, ImagePair};
+use contactbench_ground::periodic::{ContactList, ImagePair};
 use contactbench_io as io;
 use contactbench_io::Groups;
 
@@ -99,7 +99,7 @@ pub(super) struct Taking<'a> {
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Listing {
-    pub contacts: Contacts,
+    pub contacts: ContactList,
     pub has_images: bool,
     pub unknown: Vec<NamedPair>,
     /// Pairs listed in one direction only, although both are expected.
@@ -113,7 +113,7 @@ impl Listing {
         let Taking { naming, images, both_sides, without } = taking;
         let of = list.images.filter(|_| images != ImagesOf::LeftOut);
         let mut listing = Listing { has_images: of.is_some(), ..Listing::default() };
-        let mut sides = [Contacts::default(), Contacts::default()];
+        let mut sides = [ContactList::default(), ContactList::default()];
         if of.is_none() && !both_sides {
             let count = list.pairs.len();
             let room = sides[0].plain.try_reserve_exact(count);
@@ -143,7 +143,7 @@ impl Listing {
                 side.shifted.push(pair);
             }
         }
-        sides.iter_mut().for_each(Contacts::sort);
+        sides.iter_mut().for_each(ContactList::sort);
         let [forward, backward] = sides;
         if !both_sides {
             return Ok(Listing { contacts: forward, ..listing });
@@ -164,7 +164,7 @@ impl Listing {
             },
         );
         listing.one_sided = naming.names(&single);
-        Ok(Listing { contacts: Contacts { plain: plain?, shifted: shifted? }, ..listing })
+        Ok(Listing { contacts: ContactList { plain: plain?, shifted: shifted? }, ..listing })
     }
 
     pub fn faults(&self) -> u64 {

@@ -1,7 +1,7 @@
 //! Common mistakes in contact lists, as words and as options of `verify`.
 
 use crate::check::verify::listing::Meaning;
-use contactbench_core::contact::Arithmetic;
+use contactbench_ground::contact::Arithmetic;
 use contactbench_io::boxes::along;
 use contactbench_terms::number::{number, plural};
 

@@ -25,12 +25,14 @@ use search::Search;
 
 use crate::run::judge::{Judge, Said};
 use crate::run::runner::protocol::Found;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::oracle::{self, Causes, Errors, NoTruth};
-use contactbench_core::periodic::{self, Contacts, ImagePair, Periodic};
+use contactbench_detectors::near::contacts;
+use contactbench_detectors::oracle;
+use contactbench_detectors::oracle::{Causes, Errors, NoTruth};
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::periodic::{ContactList, ImagePair, Periodic};
 use contactbench_io::Given;
 use contactbench_io::{Groups, boxes};
-use contactbench_scenes::touching::{contacts, gap, resized};
+use contactbench_scenes::touching::gap;
 
 /// Maximum number of kept pairs of each kind, missed or spurious, by default.
 pub const WORST: usize = 100;
@@ -69,7 +71,7 @@ pub struct Job<'a> {
 
 #[derive(Clone, Debug)]
 pub struct Verification {
-    pub truth: Contacts,
+    pub truth: ContactList,
     pub errors: Errors,
     pub unknown: Vec<NamedPair>,
     /// Contacts that are not listed, with their overlap in mean radii, the deepest first.
@@ -117,7 +119,7 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
     left_out = [left_out[0] - truth.len(), listing.left_out];
     let near = match boxed && skin > 0.0 && !listing.has_images {
         true => within(space, skin, terms.memory_limit)?,
-        false => Contacts::default(),
+        false => ContactList::default(),
     };
     let against = Against { space, truth: &truth, near: &near, skin, kept };
     let Compared { taken, errors, missed, spurious, within_skin } = against.hold(&listing);
@@ -179,7 +181,7 @@ fn in_declared(job: &Job<'_>) -> anyhow::Result<Option<Reading>> {
 /// truth. A contact list may use `memory_limit` bytes. Fails if the box does not fit the scene.
 pub fn causes(
     given: &Given,
-    contacts: &Contacts,
+    contacts: &ContactList,
     arithmetic: Arithmetic,
     memory_limit: u64,
 ) -> anyhow::Result<Option<Causes>> {
@@ -190,18 +192,18 @@ pub fn causes(
 }
 
 /// Returns the true contacts in an arithmetic, sorted; lists may use `limit` bytes.
-fn truth(space: &Periodic<'_>, arithmetic: Arithmetic, limit: u64) -> Result<Contacts, NoTruth> {
+fn truth(space: &Periodic<'_>, arithmetic: Arithmetic, limit: u64) -> Result<ContactList, NoTruth> {
     if space.lattice().repeats() {
-        return Ok(periodic::truth(space, arithmetic, limit)?.pairs.into_iter().collect());
+        return Ok(oracle::boxes::truth(space, arithmetic, limit)?.pairs.into_iter().collect());
     }
     let stored = space.scene().as_stored(arithmetic)?;
     let plain = oracle::truth_as_stored(&stored, arithmetic.test(), limit)?.pairs;
-    Ok(Contacts { plain, ..Contacts::default() })
+    Ok(ContactList { plain, ..ContactList::default() })
 }
 
 /// Returns all pairs whose gap is at most `most` (a length), sorted.
-fn within(space: &Periodic<'_>, most: f64, limit: u64) -> anyhow::Result<Contacts> {
-    let near = contacts(&resized(space, |r| with_skin(r, most))?, limit)?;
+fn within(space: &Periodic<'_>, most: f64, limit: u64) -> anyhow::Result<ContactList> {
+    let near = contacts(&space.resized(|r| with_skin(r, most))?, limit)?;
     Ok(near.into_iter().filter(|&pair| gap(space, pair) <= most).collect())
 }
 

@@ -4,10 +4,10 @@ use crate::check::verify::guess::periods;
 use crate::check::verify::mistake::Mistake;
 use crate::check::verify::search::Search;
 use crate::check::verify::{truth, within};
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::periodic::{Contacts, ImagePair, Periodic, depth};
-use contactbench_core::scene::Radii;
-use contactbench_core::with_scene;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, depth};
+use contactbench_ground::scene::Radii;
+use contactbench_ground::with_scene;
 
 /// Common mistakes of one kind. Each function passes on the contacts that each variant of one
 /// mistake would give.
@@ -17,7 +17,7 @@ pub(super) struct Row {
 }
 
 /// Receives a mistake with the contacts that it would give; returns whether to try more.
-pub(super) type Each<'a> = &'a mut dyn FnMut(Mistake, Contacts) -> bool;
+pub(super) type Each<'a> = &'a mut dyn FnMut(Mistake, ContactList) -> bool;
 
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
@@ -32,7 +32,7 @@ pub(super) enum Kind {
 #[derive(Clone, Copy)]
 pub(super) struct At<'a> {
     pub space: &'a Periodic<'a>,
-    pub truth: &'a Contacts,
+    pub truth: &'a ContactList,
 }
 
 /// The mistakes in the order in which they are tried.

@@ -5,9 +5,10 @@ use crate::check::verify::listing::{ImagesOf, Listing, Taking};
 use crate::check::verify::mistake::{Mistake, Reading};
 use crate::check::verify::rows::{At, Each, Kind, ROWS};
 use crate::check::verify::{Job, Naming, WORST, with_skin};
-use contactbench_core::periodic::{Contacts, ImagePair, Periodic};
-use contactbench_core::scene::Lattice;
-use contactbench_scenes::touching::{contacts, particle, resized};
+use contactbench_detectors::near::contacts;
+use contactbench_ground::periodic::{ContactList, ImagePair, Periodic};
+use contactbench_ground::scene::Lattice;
+use contactbench_scenes::touching::particle;
 
 /// Largest overlap or gap, in mean radii, that may be due to rounding to f32.
 const ROUNDED: f64 = 1e-3;
@@ -30,7 +31,7 @@ pub(super) struct Search<'a> {
 impl<'a> Search<'a> {
     pub fn best(
         job: &'a Job<'a>,
-        truth: &Contacts,
+        truth: &ContactList,
         may_guess: bool,
     ) -> anyhow::Result<Option<Reading>> {
         let (mut search, given) = Search::of_list(job, truth, may_guess)?;
@@ -49,7 +50,7 @@ impl<'a> Search<'a> {
     /// differ if no mistake is assumed.
     fn of_list(
         job: &'a Job<'a>,
-        truth: &Contacts,
+        truth: &ContactList,
         may_guess: bool,
     ) -> anyhow::Result<(Search<'a>, u64)> {
         let mut search = Search {
@@ -156,7 +157,7 @@ impl<'a> Search<'a> {
                 Mistake::Radii(by) => (by * r).min(f64::MAX),
                 _ => r,
             };
-            let Ok(sized) = resized(space, size) else { continue };
+            let Ok(sized) = space.resized(size) else { continue };
             let Ok(truth) = contacts(&sized, limit) else { continue };
             let at = At { space: &sized, truth: &truth.into_iter().collect() };
             self.try_all(at, &[mistake], &[Kind::Part, Kind::Box]);
@@ -185,8 +186,8 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    pub fn against<'b>(&self, space: &'b Periodic<'b>, truth: &'b Contacts) -> Against<'b> {
-        const NONE: &Contacts = &Contacts { plain: Vec::new(), shifted: Vec::new() };
+    pub fn against<'b>(&self, space: &'b Periodic<'b>, truth: &'b ContactList) -> Against<'b> {
+        const NONE: &ContactList = &ContactList { plain: Vec::new(), shifted: Vec::new() };
         Against { space, truth, near: NONE, skin: 0.0, kept: WORST }
     }
 
@@ -216,9 +217,9 @@ impl<'a> Search<'a> {
         keep: impl Fn(ImagePair) -> bool,
         each: Each<'_>,
     ) {
-        let sized = resized(at.space, |r| (by * more * r).min(f64::MAX));
-        let found = sized.and_then(|sized| contacts(&sized, self.job.terms.memory_limit));
-        if let Some(contacts) = found.ok().filter(|contacts| !contacts.is_empty()) {
+        let sized = at.space.resized(|r| (by * more * r).min(f64::MAX));
+        let found = sized.ok().and_then(|sized| contacts(&sized, self.job.terms.memory_limit).ok());
+        if let Some(contacts) = found.filter(|contacts| !contacts.is_empty()) {
             let kept = contacts.into_iter().filter(|&pair| keep(pair)).collect();
             each(Mistake::Radii(by), kept);
         }

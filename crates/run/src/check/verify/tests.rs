@@ -1,7 +1,10 @@
 use super::*;
-use contactbench_core::detect::{Options, table};
-use contactbench_core::periodic::{self, BRUTE_FORCE, depth};
-use contactbench_core::scene::{AnyScene, Lattice};
+use contactbench_detectors::oracle::boxes::BRUTE_FORCE;
+use contactbench_detectors::table;
+use contactbench_ground::detect::Options;
+use contactbench_ground::periodic::depth;
+use contactbench_ground::scene::{AnyScene, Lattice};
+use contactbench_lists::periodic;
 use contactbench_scenes::spec::Spec;
 use contactbench_scenes::touching::{in_open_space, nearest, particle};
 

@@ -6,11 +6,13 @@ use std::rc::Rc;
 
 use crate::run::judge::{Nothing, Unjudged, kept};
 use crate::truth::depth;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::oracle::{self, Causes, Errors, NoTruth, compare_by};
-use contactbench_core::periodic::{self, Contacts, ImagePair};
-use contactbench_core::searcher::Loaded;
-use contactbench_core::sink::Digest;
+use contactbench_detectors::oracle;
+use contactbench_detectors::oracle::boxes;
+use contactbench_detectors::oracle::{Causes, Errors, NoTruth, compare_by};
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::periodic::{ContactList, ImagePair};
 use contactbench_io::Given;
 
 pub(super) struct Frame<'a> {
@@ -32,19 +34,19 @@ pub(super) struct Truths {
 }
 
 pub(super) struct Truth {
-    pub contacts: Contacts,
+    pub contacts: ContactList,
     pub digest: Digest,
 }
 
 impl From<oracle::Truth> for Truth {
     fn from(truth: oracle::Truth) -> Truth {
-        let contacts = Contacts { plain: truth.pairs, ..Contacts::default() };
+        let contacts = ContactList { plain: truth.pairs, ..ContactList::default() };
         Truth { contacts, digest: truth.digest }
     }
 }
 
-impl From<periodic::Truth> for Truth {
-    fn from(truth: periodic::Truth) -> Truth {
+impl From<boxes::Truth> for Truth {
+    fn from(truth: boxes::Truth) -> Truth {
         Truth { contacts: truth.pairs.into_iter().collect(), digest: truth.digest }
     }
 }
@@ -83,7 +85,7 @@ impl<'a> Frame<'a> {
     pub fn compare(
         &mut self,
         arithmetic: Arithmetic,
-        contacts: Option<&Contacts>,
+        contacts: Option<&ContactList>,
     ) -> Result<Differs, Unjudged> {
         let truths = self.known(arithmetic)?;
         let contacts = contacts.unwrap_or(&truths.own.contacts);
@@ -139,11 +141,11 @@ impl<'a> Frame<'a> {
                 (own, Some(exact))
             }
             Loaded::InBox(periodic) => {
-                let own = self.share(periodic::truth(periodic, arithmetic, limit)?.into());
+                let own = self.share(boxes::truth(periodic, arithmetic, limit)?.into());
                 let exact = match arithmetic {
                     // Exact arithmetic does not round images, so the contacts are the same.
                     _ if arithmetic.is_exact() => Some(own.clone()),
-                    _ => match periodic::truth_as_stored(periodic, arithmetic, limit) {
+                    _ => match boxes::truth_as_stored(periodic, arithmetic, limit) {
                         Ok(exact) => Some(self.share(exact.into())),
                         Err(reason) => match Unjudged::from(reason) {
                             Unjudged::Nothing(_) => None,
@@ -166,7 +168,7 @@ impl<'a> Frame<'a> {
 }
 
 /// Finds the errors of an answer. Most answers have the right digest, and need no comparison.
-fn compare(reported: &Contacts, truth: &Truth, scene: &Loaded<'_>) -> Errors {
+fn compare(reported: &ContactList, truth: &Truth, scene: &Loaded<'_>) -> Errors {
     if reported.digest() == truth.digest {
         return Errors::default();
     }

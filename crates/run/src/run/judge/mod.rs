@@ -15,14 +15,15 @@ use crate::run::machine::interrupt;
 use crate::run::runner::protocol::Found;
 use crate::run::runner::trajectory::Trajectory;
 use crate::truth::depth;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::oracle::{Causes, Errors, NoTruth};
-use contactbench_core::periodic::{Contacts, ImagePair};
-use contactbench_core::searcher::Loaded;
-use contactbench_core::sink::{Digest, splitmix64};
+use contactbench_detectors::oracle::{Causes, Errors, NoTruth};
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::periodic::{ContactList, ImagePair};
 use contactbench_io::Given;
 use contactbench_record::record::row::Outcome;
 use contactbench_scenes::touching::in_any_box;
+use contactbench_terms::mix::splitmix64;
 
 /// Judges the answers for one trajectory. The truth is computed when it is first needed.
 pub struct Judge<'a> {
@@ -206,7 +207,7 @@ impl<'a> Judge<'a> {
         &mut self,
         subject: &str,
         said: Said<'_>,
-        fetch: impl FnMut(u64) -> Result<Contacts, String>,
+        fetch: impl FnMut(u64) -> Result<ContactList, String>,
     ) -> anyhow::Result<(Judged, Tracked)> {
         let answers = match said.found.answers() {
             Ok(answers) => answers,
@@ -235,7 +236,7 @@ impl<'a> Judge<'a> {
         &mut self,
         said: Said<'_>,
         answers: &[Digest],
-        mut fetch: impl FnMut(u64) -> Result<Contacts, String>,
+        mut fetch: impl FnMut(u64) -> Result<ContactList, String>,
     ) -> Result<(Judged, Tracked), Unjudged> {
         let (arithmetic, steps, moving) =
             (said.arithmetic, &said.found.steps, self.trajectory.is_some());
@@ -346,7 +347,7 @@ impl<'a> Judge<'a> {
 }
 
 /// Returns the contacts in ascending order; the list of them may use `limit` bytes.
-fn sorted(contacts: &Contacts, known: &Truths, limit: u64) -> Result<Vec<ImagePair>, Unjudged> {
+fn sorted(contacts: &ContactList, known: &Truths, limit: u64) -> Result<Vec<ImagePair>, Unjudged> {
     Ok(contacts.sorted(known.stored.particles(), limit).map_err(NoTruth::from)?)
 }
 

@@ -1,6 +1,6 @@
 use super::*;
-use contactbench_core::periodic::ImagePair;
-use contactbench_core::scene::{Lattice, Scene};
+use contactbench_ground::periodic::ImagePair;
+use contactbench_ground::scene::{Lattice, Scene};
 
 fn row() -> Scene<'static, f64, 2> {
     Scene::at([0.0, 2.0, 4.0, 6.0].map(|x| [x, 0.0]), 1.0).unwrap()
@@ -12,9 +12,9 @@ fn boxed(scene: Scene<'static, f64, 2>) -> Given {
 }
 
 /// Returns these pairs and a contact of disc 0 with the image `through` of disc 3.
-fn contacts(plain: &[[u32; 2]], through: Option<i32>) -> Contacts {
+fn contacts(plain: &[[u32; 2]], through: Option<i32>) -> ContactList {
     let shifted = through.map(|image| ImagePair::new(0, 3, [image, 0, 0])).into_iter().collect();
-    Contacts { plain: plain.to_vec(), shifted }
+    ContactList { plain: plain.to_vec(), shifted }
 }
 
 const RIGHT: [[u32; 2]; 3] = [[0, 1], [1, 2], [2, 3]];
@@ -22,8 +22,8 @@ const RIGHT: [[u32; 2]; 3] = [[0, 1], [1, 2], [2, 3]];
 fn judged(
     judge: &mut Judge<'_>,
     arithmetic: Arithmetic,
-    said: &Contacts,
-    shown: Result<&Contacts, &str>,
+    said: &ContactList,
+    shown: Result<&ContactList, &str>,
 ) -> Judged {
     let found = &Found::from(said.digest());
     let said = Said { arithmetic, may_miss: false, found };
@@ -89,7 +89,7 @@ fn errors_in_a_box_have_their_causes() {
     let causes = |x: f64, y: f64, arithmetic| {
         let given = boxed(Scene::at([[x, y], [7.5, 4.0]], 0.5).unwrap());
         let mut judge = Judge::new(&given, 1 << 20).unwrap();
-        let said: Contacts = [ImagePair::new(0, 1, [-1, 0, 0])].into_iter().collect();
+        let said: ContactList = [ImagePair::new(0, 1, [-1, 0, 0])].into_iter().collect();
         let judged = judged(&mut judge, arithmetic, &said, Ok(&said));
         assert_eq!(judged.outcome, Outcome::Ok, "{}", judged.reason);
         let Causes { representation, predicate, search, .. } = judged.causes.unwrap();

@@ -8,8 +8,8 @@
 
 use std::time::{Instant, SystemTime};
 
-use contactbench_core::sink::splitmix64;
 use contactbench_record::record::folder::ledger::Span;
+use contactbench_terms::mix::splitmix64;
 
 pub(crate) struct Watch {
     pub id: String,

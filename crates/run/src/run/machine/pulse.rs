@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use std::time::Instant;
 
 use crate::run::machine::processors;
-use contactbench_core::sink::splitmix64;
+use contactbench_terms::mix::splitmix64;
 
 /// Memory that the loop reads, in bytes: more than the caches of one core on most machines. In a
 /// debug build, whose times are not used, less memory keeps the loop shorter than the sample.

@@ -2,7 +2,7 @@
 //! `check`.
 
 use crate::run::runner::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
-use contactbench_core::probe::Op;
+use contactbench_ground::probe::Op;
 
 /// Minimum number of detections of a sample that may be shorter than requested, because a detection
 /// may be shorter than the clock's resolution.

@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::run::runner::trajectory::Trajectory;
-use contactbench_core::sink::{Digest, splitmix64};
-use contactbench_core::track::Step;
+use contactbench_ground::pairs::sink::Digest;
+use contactbench_lists::track::Step;
+use contactbench_terms::mix::splitmix64;
 use contactbench_terms::text::line;
 
 /// The version of the protocol, which harness and runner must share.

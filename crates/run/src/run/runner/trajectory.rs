@@ -7,7 +7,7 @@ use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
 
 use crate::run::machine::interrupt;
-use contactbench_core::scene::Lattice;
+use contactbench_ground::scene::Lattice;
 use contactbench_io::Given;
 use contactbench_io::exchange;
 use contactbench_scenes::motion::Frames;

@@ -3,7 +3,7 @@
 use super::{CROWD, Picture};
 use crate::draw::pairs::NEAR;
 use crate::{px, segment};
-use contactbench_core::periodic::{ImagePair, depth};
+use contactbench_ground::periodic::{ImagePair, depth};
 
 const CONTACT: &str = "#0b5394";
 const ACROSS: &str = "#0f8577";

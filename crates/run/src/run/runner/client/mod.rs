@@ -16,7 +16,7 @@ use crate::run::runner::family;
 use crate::run::runner::possible::{self, Asked};
 use crate::run::runner::protocol::{Hello, Reply, Request, VERSION};
 use crate::run::runner::trajectory::Trajectory;
-use contactbench_core::periodic::Contacts;
+use contactbench_ground::periodic::ContactList;
 use contactbench_io::exchange;
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::text;
@@ -272,7 +272,7 @@ impl Client {
         path: &Path,
         box_dim: Option<usize>,
         frame: Option<u64>,
-    ) -> Result<Contacts, String> {
+    ) -> Result<ContactList, String> {
         // Removes the file of an earlier answer, which must not be taken for this one.
         let _ = std::fs::remove_file(path);
         self.ask(&Request::Pairs { path: path.to_path_buf(), frame })

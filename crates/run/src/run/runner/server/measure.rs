@@ -7,9 +7,9 @@ use crate::run::runner::alloc::Meter;
 use crate::run::runner::possible::MOST_CALLS;
 use crate::run::runner::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
 use crate::run::runner::server::{Answer, Server, refused};
-use contactbench_core::probe::Tally;
-use contactbench_core::searcher::Searcher;
-use contactbench_core::track::Step;
+use contactbench_ground::probe::Tally;
+use contactbench_lists::searcher::Searcher;
+use contactbench_lists::track::Step;
 
 /// Maximum number of passes over several frames, because each reads all files.
 const MOST_PASSES: u64 = 64;
@@ -135,7 +135,7 @@ impl Server {
         // Before the measurement, a pass grows the list of pairs to its final size.
         self.pass(None, |_, _, _| ())?;
         // Buffers of that pass are freed, because they would count against the memory limit.
-        self.searcher = Searcher::new(self.spec.detector(), self.options);
+        self.searcher = Searcher::new(self.spec.detector().make(self.options));
         self.tracker = self.tracker.as_ref().map(|_| self.spec.make(self.options));
         let (mut steps, mut usage, mut formula) = (Steps::default(), Vec::new(), 0);
         for _ in 0..2 {

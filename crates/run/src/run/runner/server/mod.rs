@@ -18,13 +18,17 @@ use anyhow::Context;
 use crate::plan::detectors;
 use crate::run::runner::protocol::{Hello, Reply, Request, VERSION};
 use crate::run::runner::trajectory::Trajectory;
-use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::{Options, Refusal};
-use contactbench_core::periodic::{Contacts, ImagePair};
-use contactbench_core::probe::Tally;
-use contactbench_core::searcher::{Loaded, Searcher};
-use contactbench_core::track::{self, Step, Tracker, TrackerSpec};
+use contactbench_detectors::tracker;
+use contactbench_detectors::tracker::TrackerSpec;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::detect::Options;
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::periodic::Loaded;
+use contactbench_ground::periodic::{ContactList, ImagePair};
+use contactbench_ground::probe::Tally;
 use contactbench_io::exchange;
+use contactbench_lists::searcher::Searcher;
+use contactbench_lists::track::{Step, Tracker};
 use contactbench_record::record::origin::built::build;
 use contactbench_record::record::origin::provenance;
 
@@ -38,7 +42,7 @@ pub struct Server {
     tracker: Option<Box<dyn Tracker>>,
     frames: Trajectory,
     frame: Option<(usize, Loaded<'static>)>,
-    contacts: Contacts,
+    contacts: ContactList,
     /// Number of detections per sample of a scene at rest; `None` before the first sample.
     calls: Option<u64>,
     /// The frame at which the next request for pairs continues, unless it is for an earlier one.
@@ -55,17 +59,17 @@ struct Seen {
 impl Server {
     /// Returns a server without a scene. Fails if `text` is not a detector or tracker.
     pub fn new(text: &str, arithmetic: Arithmetic, options: Options) -> anyhow::Result<Server> {
-        let spec = track::parse(text)?;
+        let spec = tracker::parse(text)?;
         Ok(Server {
             name: detectors::normal(text),
-            searcher: Searcher::new(spec.detector(), options),
+            searcher: Searcher::new(spec.detector().make(options)),
             spec,
             arithmetic,
             options,
             tracker: None,
             frames: Trajectory::default(),
             frame: None,
-            contacts: Contacts::default(),
+            contacts: ContactList::default(),
             calls: None,
             next: None,
         })
@@ -196,7 +200,7 @@ impl Server {
     fn pass(
         &mut self,
         mut tally: Option<&mut Tally>,
-        mut each: impl FnMut(usize, &Seen, &Contacts),
+        mut each: impl FnMut(usize, &Seen, &ContactList),
     ) -> Answer<()> {
         for k in 0..self.frames.frames.len() {
             self.fetch(k)?;

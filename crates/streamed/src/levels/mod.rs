@@ -1,0 +1,186 @@
+//! Detection in scenes of very different sizes: each size class is swept in its own grid, and
+//! larger particles visit the grids of smaller ones.
+
+use super::classes::{Class, Classes, MOST};
+use super::dense::{Bundles, grow};
+use super::grid::{Domain, FEW, Grid, axes};
+use super::kernel::Bounds;
+use super::lists::{Lists, Record};
+use super::output::Output;
+use super::plan::Plan;
+use super::slab::Slab;
+use super::visits::{Host, Visit};
+use super::{Deliver, NAME, Streamed, Worker, numbered};
+use contactbench_ground::contact::Bodies;
+use contactbench_ground::detect::company::{CROWD, company};
+use contactbench_ground::detect::{Declare, Detector, within};
+use contactbench_ground::limits::refusal::Refusal;
+use contactbench_ground::pairs::sink::Sink;
+use contactbench_ground::probe::{Op, Probe};
+use contactbench_ground::scene::Real;
+
+/// Two grids must differ by less than this factor in their steps: squares of distances, up to 2^124
+/// at this limit, must fit in f32.
+const FINEST: f64 = (1u64 << 40) as f64;
+
+#[derive(Clone, Copy)]
+struct Level<const D: usize> {
+    class: Class<D>,
+    grid: Grid<D>,
+    plan: Plan,
+    bounds: Bounds,
+    may_crowd: bool,
+}
+
+type Levels<const D: usize> = [Option<Level<D>>; MOST];
+
+impl<const D: usize> Streamed<D> {
+    pub(super) fn by_class<T: Real, B: Bodies<T, D>, P: Probe, S: Sink>(
+        &mut self,
+        classes: &Classes<D>,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        let n = bodies.len();
+        numbered(NAME, n)?;
+        let Some(levels) = self.levels(classes, &bodies)? else {
+            let result = self.crowded.detect(bodies, probe, sink);
+            self.formula = Declare::formula_bytes(&self.crowded);
+            return result.map_err(|refusal| refusal.of(NAME));
+        };
+        if classes.all().len() == 1 {
+            return self.sweep(bodies, probe, sink);
+        }
+        let Streamed { options, level, workers, each, formula, .. } = self;
+        let count = classes.all().len();
+        let all = || levels.iter().flatten();
+        let shape = || format!("{n} particles in {count} classes of sizes");
+        let records: u64 =
+            all().map(|of| Lists::<D, f32>::bytes(of.class.bodies, of.plan.slabs)).sum();
+        let cells = all().map(|of| of.plan.cells()).max().unwrap_or(0);
+        let structs = size_of::<Worker<D>>() + count * size_of::<Lists<D, f32>>();
+        let needed = |most: usize| {
+            let room = (most * size_of::<Record<D, f32>>()) as u64;
+            records + 2 * Slab::<D>::bytes(most, cells, true) + room + structs as u64
+        };
+        let mean = all().map(|of| of.class.bodies.div_ceil(of.plan.slabs)).max().unwrap_or(0);
+        within(options, NAME, needed(mean), shape)?;
+        grow(&mut each.lists, count);
+        grow(workers, 1);
+        let (lists, worker) = (&mut each.lists[..count], &mut workers[0]);
+        fill(&bodies, classes, &levels, lists);
+        probe.add(Op::Integerise, (D * n) as u64);
+        probe.add(Op::ListPush, n as u64);
+        let lists = &*lists;
+        let lengths = |(of, lists): (&Level<D>, &Lists<D, f32>)| {
+            (0..of.plan.slabs).map(|slab| lists.len(slab)).max().unwrap_or(0)
+        };
+        let most = all().zip(lists).map(lengths).max().unwrap_or(0);
+        *formula = needed(most);
+        within(options, NAME, *formula, shape)?;
+        worker.slabs.iter_mut().for_each(|slab| slab.prepare(most, cells, true));
+        Record::<D, f32>::prepare(&mut worker.room, most);
+        let touch = |i, j, probe: &mut P| bodies.touch(i, j, probe);
+        let mut deliver = Deliver::new(&touch, probe, sink);
+        let slack = bodies.slack();
+        let mut hosts = [None; MOST];
+        for ((host, of), lists) in hosts.iter_mut().zip(all()).zip(lists) {
+            let largest = of.class.largest;
+            *host = Some(Host { grid: &of.grid, plan: &of.plan, largest, lists });
+        }
+        for (k, of) in all().enumerate() {
+            let (plan, bounds) = (of.plan, of.bounds);
+            let bundles = Bundles { lists: &lists[k..=k], plan, bounds, level: *level };
+            let slabs = 0..plan.slabs;
+            bundles.sweep::<true>(
+                worker,
+                slabs,
+                &mut deliver,
+                &mut |number, slab, scratch, sink| {
+                    let larger = &hosts[..k];
+                    let Some(host) = hosts[k] else { return };
+                    let output = Output::new(&mut scratch.pairs, sink);
+                    level.run(Visit { larger, host, slack, number, slab, output });
+                },
+            );
+        }
+        deliver.finish();
+        Ok(())
+    }
+
+    /// Returns the grid of each class. Returns `None` if the cells of a class cannot be numbered,
+    /// if its particles crowd, or if two grids differ too much to compare distances.
+    fn levels<T: Real>(
+        &self,
+        classes: &Classes<D>,
+        bodies: &impl Bodies<T, D>,
+    ) -> Result<Option<Levels<D>>, Refusal> {
+        let mut levels = [None; MOST];
+        let mut may_crowd = false;
+        let all = classes.all().iter().fold(classes.all()[0], |all, class| all.with(class));
+        let axes = axes((all.low, all.high))?;
+        for (level, class) in levels.iter_mut().zip(classes.all()) {
+            let reach = bodies.slack().reach(class.largest, class.largest);
+            let domain = Domain::along(axes, (class.low, class.high), reach, class.bodies);
+            let Some((grid, crowd)) = domain.dense() else { return Ok(None) };
+            // Cells as wide as the reach are crowded only if few particles have that reach.
+            let crowd = crowd || class.is_wide() && class.bodies > FEW;
+            may_crowd |= crowd;
+            let bounds = Bounds::of(bodies.slack(), reach, &grid, None);
+            let plan = Plan::new(&grid, class.bodies);
+            *level = Some(Level { class: *class, grid, plan, bounds, may_crowd: crowd });
+        }
+        let all = || levels.iter().flatten();
+        let too_far = |(k, host): (usize, &Level<D>)| {
+            all().take(k).any(|larger| {
+                let shift = host.grid.origin_of(&larger.grid);
+                let finite = shift.iter().all(|x| x.is_finite());
+                // The negation makes NaN count as too far.
+                !(finite && host.grid.finer_than(&larger.grid) < FINEST)
+            })
+        };
+        if all().enumerate().any(too_far) {
+            return Ok(None);
+        }
+        if may_crowd && self.form.is_none() {
+            let place = |id| {
+                let number = classes.number(bodies.radius(id));
+                (number, levels[number].map_or(0, |of| of.grid.cell(bodies.position(id))))
+            };
+            let company = company(bodies.len(), place, |number| classes.all()[number].bodies);
+            let crowded = |(of, &company): (&Level<D>, _)| of.may_crowd && company > CROWD;
+            if all().zip(&company).any(crowded) {
+                return Ok(None);
+            }
+        }
+        Ok(Some(levels))
+    }
+}
+
+fn fill<T: Real, const D: usize>(
+    bodies: &impl Bodies<T, D>,
+    classes: &Classes<D>,
+    levels: &Levels<D>,
+    lists: &mut [Lists<D, f32>],
+) {
+    let mut filling = [None; MOST];
+    for ((filling, level), lists) in
+        filling.iter_mut().zip(levels.iter().flatten()).zip(&mut *lists)
+    {
+        *filling = Some(lists.begin(level.class.bodies, &level.plan));
+    }
+    for id in 0..bodies.len() as u32 {
+        let radius = bodies.radius(id);
+        let class = classes.number(radius);
+        if let (Some(filling), Some(level)) = (&mut filling[class], &levels[class]) {
+            lists[class].push(filling, &level.grid, bodies.position(id), radius, id);
+        }
+    }
+    for (filling, level) in filling.into_iter().flatten().zip(levels.iter().flatten()) {
+        filling.end(&level.grid);
+    }
+}
+
+#[cfg(test)]
+mod tests;
