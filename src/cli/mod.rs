@@ -100,11 +100,10 @@ verbs! {
             ["track packed:dim=3,n=10000 --motion drift:speed=0.01",
              "track packing.csv --motion vortex --tracker 'verlet(nbs)'"],
             "docs/MOTION.md\nExit code 1: a tracker that promises to miss no contact missed one";
-        /// Draws a scene with its contacts, or a page that plays its frames
+        /// Draws a scene with its contacts, and the errors of a list
         Draw(draw::Draw) => draw::draw,
             ["draw packing.csv", "draw packing.csv --pairs theirs.csv",
-             "draw packed:dim=3,n=2000 --slice z=4 -o slice.svg",
-             "draw packed:n=200 --motion vortex -o play.html"],
+             "draw packed:dim=3,n=2000 --slice z=4 -o slice.svg"],
             "docs/SEEING.md";
         /// Measures which detector is the fastest on your particles
         Recommend(recommend::Recommend) => recommend::recommend,

@@ -1,8 +1,6 @@
 use std::io::Write;
 use std::process::ExitCode;
 
-use anyhow::Context;
-
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
@@ -15,7 +13,7 @@ use contactbench_detectors::tracker;
 use contactbench_detectors::tracker::TrackerSpec;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_run::moving::{Check, Question, follow};
-use contactbench_scenes::motion::{self, Kind, Motion};
+use contactbench_scenes::motion::Motion;
 
 #[derive(clap::Args)]
 pub struct Track {
@@ -66,8 +64,6 @@ const USUAL: [&str; 7] = [
     "verlet(streamed-nbs,rule=every-10)",
 ];
 
-const MOTION: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
-
 /// Runs all trackers over the frames of a motion or a file, and checks their contacts.
 pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     let texts: Vec<&str> = match options.trackers.is_empty() {
@@ -76,17 +72,9 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     };
     let trackers: Vec<TrackerSpec> =
         texts.into_iter().map(tracker::parse).collect::<Result<_, _>>()?;
-    let Track { motion, frames, .. } = *options;
-    let wanted = Wanted {
-        motion,
-        otherwise: Some(MOTION),
-        frames,
-        of_file: u64::MAX,
-        arithmetic: options.arithmetic,
-    };
-    let done =
-        sequence(&options.source, &wanted, |sequence| followed(options, &trackers, sequence))?;
-    done.context("there is one frame, and nothing moves; add --motion drift")
+    let Track { motion, frames, arithmetic, .. } = *options;
+    let wanted = Wanted { motion, frames, arithmetic };
+    sequence(&options.source, &wanted, |sequence| followed(options, &trackers, sequence))
 }
 
 fn followed(

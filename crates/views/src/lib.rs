@@ -1,8 +1,6 @@
-//! Pictures of scenes ([`draw`]), pages that play frames ([`film`]), and the steps of the book's
-//! detectors ([`trace`]), as SVG and self-contained HTML pages.
+//! Pictures of scenes ([`draw`]), and the steps of the book's detectors ([`trace`]).
 
 pub mod draw;
-pub mod film;
 mod player;
 pub mod trace;
 

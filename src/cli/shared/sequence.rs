@@ -11,14 +11,12 @@ use contactbench_io as io;
 use contactbench_io::Given;
 use contactbench_io::{Frame, Place};
 use contactbench_run::moving::Recorded;
-use contactbench_scenes::motion::{Frames, Motion};
+use contactbench_scenes::motion::{self, Frames, Kind, Motion};
 
 pub struct Sequence<'a> {
     /// Name of the scene or the file.
     pub name: &'a str,
     pub motion: &'a str,
-    /// Whether the frames come from a file.
-    pub recorded: bool,
     pub particles: usize,
     /// Maximum number of frames.
     pub count: u64,
@@ -30,42 +28,33 @@ pub struct Sequence<'a> {
 pub const FRAMES: u64 = 100;
 
 pub struct Wanted {
+    /// Motion to use; by default a drift, if the scene has only one frame.
     pub motion: Option<Motion>,
-    /// Motion to use if no motion is given and the scene has only one frame.
-    pub otherwise: Option<Motion>,
     /// Maximum number of frames, from the command line.
     pub frames: Option<u64>,
-    /// Default number of frames of a file.
-    pub of_file: u64,
     pub arithmetic: Arithmetic,
 }
 
-/// Passes the frames to `body`; returns `None` if there is one frame and no motion. A file is read
-/// once.
+const DRIFT: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
+
+/// Passes the frames to `body`. A file is read once.
 pub fn sequence<T>(
     source: &Source,
     wanted: &Wanted,
     body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
-) -> anyhow::Result<Option<T>> {
-    let Wanted { motion, otherwise, frames, .. } = *wanted;
+) -> anyhow::Result<T> {
+    let Wanted { motion, frames, .. } = *wanted;
     ensure!(frames != Some(0), "--frames 0: give at least 1");
     let Source { scene, input } = source;
     // If a motion is given or one frame chosen, the motion moves that frame.
     let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
     if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && io::exists(path)) {
         let options = io::Options { ids: true, ..input.options() };
-        let several = |frames: io::Frames<'_>| of_file(source, path, wanted, frames, body);
-        let seen = input::frames(path, options, several)?;
-        let moves = seen.is_some() || frames.is_none();
-        ensure!(moves, "--frames needs several frames, and the file has one; add --motion drift");
-        return Ok(seen);
+        return input::frames(path, options, |frames| of_file(source, path, wanted, frames, body));
     }
-    let motion = motion.or(otherwise);
-    let moves = motion.is_some() || frames.is_none();
-    ensure!(moves, "--frames needs frames, and nothing moves; add --motion drift");
     let (name, given) = source.given()?;
     input::doubt_given(&name, &given, wanted.arithmetic);
-    motion.map(|motion| moved(&name, &given, motion, frames, body)).transpose()
+    moved(&name, &given, motion.unwrap_or(DRIFT), frames, body)
 }
 
 fn moved<T>(
@@ -79,7 +68,6 @@ fn moved<T>(
     body(Sequence {
         name,
         motion: &motion.to_string(),
-        recorded: false,
         particles: given.scene.len(),
         count: frames.unwrap_or(FRAMES),
         next: &mut |k| all.at(k).map(Some),
@@ -92,7 +80,7 @@ fn of_file<T>(
     wanted: &Wanted,
     mut frames: io::Frames<'_>,
     body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
-) -> anyhow::Result<Option<T>> {
+) -> anyhow::Result<T> {
     let (text, radius) = (path.display().to_string(), source.input.radius);
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
     let none = || format!("{text} holds no frame of particles; check its --format");
@@ -102,21 +90,18 @@ fn of_file<T>(
         input::tell(&text, &first.0.notices, Place::Argument);
         let given = first.0.given(&text, radius)?;
         input::doubt_given(&text, &given, wanted.arithmetic);
-        let motion = wanted.otherwise;
-        return motion.map(|it| moved(&name, &given, it, wanted.frames, body)).transpose();
+        return moved(&name, &given, DRIFT, wanted.frames, body);
     };
     input::tell(&text, &first.0.notices, Place::Argument);
     let particles = first.0.len();
     let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
     let mut told = Told::default();
-    let of_file = if source.input.frame.is_some() { u64::MAX } else { wanted.of_file };
     let made = body(Sequence {
         name: &name,
         motion: "as recorded",
-        recorded: true,
         particles,
-        count: wanted.frames.unwrap_or(of_file),
+        count: wanted.frames.unwrap_or(u64::MAX),
         next: &mut |_| {
             let given = recorded.next_frame()?;
             given.iter().for_each(|given| told.of_given(&text, given, wanted.arithmetic));
@@ -124,5 +109,5 @@ fn of_file<T>(
         },
     })?;
     told.end(&text);
-    Ok(Some(made))
+    Ok(made)
 }

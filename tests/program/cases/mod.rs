@@ -18,13 +18,8 @@
 //! Words are names, numbers, options and keys, not sentences. `ARRAYS/` stands for the folder
 //! `tests/data/arrays`. Texts have `\n`, `\t`, `\\` and `\xff` for a byte. Line breaks count as
 //! blanks. A run with exit code 2 prints one line that begins with `contactbench: `.
-//!
-//! `pages/*.txt` hold whole pages: lines that make files, then `$ ARGUMENTS`, what that run prints
-//! on 80 columns, and its exit code if it is not 0. This command writes them again:
-//! `CONTACTBENCH_PAGES=write cargo test --test program cases::pages`.
 
 use std::fmt::Display;
-use std::path::{Path, PathBuf};
 
 use crate::common::{Ended, Place};
 
@@ -39,48 +34,6 @@ macro_rules! cases {
     };
 }
 cases!(all: refusals, experiments, boxes, files, records);
-
-fn text(name: &str) -> (PathBuf, String) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/cases");
-    let path = folder.join(name).with_extension("txt");
-    let text = std::fs::read_to_string(&path).unwrap();
-    (path, text)
-}
-
-/// Compares the pages in `pages/` with the output of the program, or writes them.
-mod pages {
-    use super::*;
-
-    cases!(page: help, mistakes, answers);
-
-    fn page(name: &str) {
-        let (path, text) = text(&format!("pages/{name}"));
-        let mut scenario = Scenario { place: Place::new(), last: None, faults: Vec::new() };
-        let mut printed = String::new();
-        for line in text.split_inclusive("\n").take_while(|line| !line.starts_with("$ ")) {
-            let is_remark = line.trim().is_empty() || line.starts_with('#');
-            assert!(is_remark || scenario.obey(name, line.trim_end()), "{line}");
-            printed += line;
-        }
-        for line in text.lines().filter(|line| line.starts_with("$ ")) {
-            let Ended { code, stdout, stderr } = scenario.place.run_wide(&line[2..], 80);
-            let code = code.filter(|&code| code != 0).map(|code| format!("[exit code {code}]\n"));
-            printed += &format!("{line}\n{stdout}{stderr}{}\n", code.unwrap_or_default());
-        }
-        let printed: String =
-            printed.lines().map(|line| format!("{}\n", line.trim_end())).collect();
-        if std::env::var_os("CONTACTBENCH_PAGES").is_some() {
-            std::fs::write(&path, printed).unwrap();
-        } else if let Some((old, new)) = text.lines().zip(printed.lines()).find(|(a, b)| a != b) {
-            panic!(
-                "{}\n- {old}\n+ {new}\nCONTACTBENCH_PAGES=write writes it again",
-                path.display()
-            );
-        } else {
-            assert_eq!(text.lines().count(), printed.lines().count(), "{}", path.display());
-        }
-    }
-}
 
 fn unescaped(text: &str) -> Vec<u8> {
     let (mut bytes, mut rest) = (Vec::new(), text.bytes());
@@ -198,7 +151,8 @@ impl Scenario {
 
 fn all(name: &str) {
     let (mut above, mut faults): (Vec<&str>, Vec<String>) = Default::default();
-    let (_, text) = text(name);
+    let path = format!("{}/tests/program/cases/{name}.txt", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
     let mut scenario: Option<Scenario> = None;
     for (line, number) in text.lines().map(str::trim_start).zip(1..) {
         let at = format!("{name}.txt:{number}");

@@ -1,28 +1,29 @@
-//! Tests help, lists, completions and colours.
-
-use std::process::{Command, Stdio};
+//! Tests help, examples, mistakes on the command line, lists and JSON.
 
 use clap::{CommandFactory, Parser};
 use contactbench::cli::Cli;
 use contactbench::plan::builtin;
+use contactbench::scene::hard;
+use contactbench::scene::spec::GENERATORS;
 use contactbench_detectors::table::TABLE;
 
-use crate::common::{PROGRAM, Place, ended, npy, program};
-
-/// Returns the examples in a verb's help, without the name of the program.
-fn examples(verb: &clap::Command) -> Vec<String> {
-    let end = verb.get_after_help().unwrap().to_string();
-    end.lines().filter_map(|line| line.strip_prefix("  contactbench ")).map(String::from).collect()
-}
+use crate::common::{Place, npy};
 
 #[test]
-fn each_verb_has_a_man_page() {
+fn each_verb_has_help_of_80_columns_and_a_man_page() {
     let at = Place::new();
     at.good("completions --man man");
-    let verbs = Cli::command().get_subcommands().count();
-    assert_eq!(std::fs::read_dir(at.path("man")).unwrap().count(), 1 + verbs);
-    let page = at.read("man/contactbench-site.1");
-    assert!(page.contains(".SH SYNOPSIS") && page.contains("\\-\\-out"), "{page}");
+    let command = Cli::command();
+    // `ranks` passes its options on.
+    let verbs = command.get_subcommands().map(|verb| verb.get_name());
+    for verb in verbs.filter(|verb| *verb != "ranks").chain([""]) {
+        let ended = at.run_wide(&format!("{verb} --help"), 80);
+        assert_eq!((ended.code, ended.stderr.as_str()), (Some(0), ""), "{verb}");
+        let long = ended.stdout.lines().find(|line| line.chars().count() > 80);
+        assert_eq!(long, None, "{verb}");
+        let page = format!("man/contactbench-{verb}.1").replace("-.", ".");
+        assert!(at.read(&page).contains(".SH SYNOPSIS"), "{verb}");
+    }
 }
 
 #[test]
@@ -46,75 +47,65 @@ fn examples_of_the_help_run() {
     let core = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/detectors/src");
     at.shell(&format!("mkdir -p crates/detectors; cp -r {core} crates/detectors"));
     for verb in Cli::command().get_subcommands() {
-        let name = verb.get_name();
-        let page = include_str!("../cases/pages/help.txt");
-        assert!(page.contains(&format!("$ {name} --help\n")) || name == "ranks", "{name}");
-        assert!(!examples(verb).is_empty(), "{name}");
-        for example in examples(verb) {
+        let (name, end) = (verb.get_name(), verb.get_after_help().unwrap().to_string());
+        let examples = end.lines().filter_map(|line| line.strip_prefix("  contactbench "));
+        assert!(examples.clone().next().is_some(), "{name} has no example");
+        for example in examples {
             let words = shlex::split(&format!("contactbench {example}")).unwrap();
             Cli::try_parse_from(words).unwrap_or_else(|error| panic!("{example}: {error}"));
             // Examples of these verbs are not run: they take seconds or need other programs.
             if !["check", "ranks", "recommend", "run", "track"].contains(&name) {
-                at.good(&example);
+                at.good(example);
             }
         }
     }
 }
 
 #[test]
-fn list_names_every_detector_scene_and_experiment() {
+fn a_mistake_is_answered_by_the_nearest_name() {
     let at = Place::new();
-    let listed = |what: &str| at.good(&format!("list {what}")).stdout;
-    let [all, detectors, experiments, scenes] =
-        ["", "detectors", "experiments", "scenes"].map(listed);
-    let begins = |text: &str, word: &str| {
-        text.lines().any(|line| line.trim_start_matches([' ', '*']).split(' ').next() == Some(word))
-    };
-    for entry in TABLE {
-        assert!(begins(&all, entry.name) && begins(&detectors, entry.name), "{}", entry.name);
-        let columns = [entry.cost, entry.memory, entry.limits].map(String::from);
-        let values = entry.parameters.iter().map(|it| it.values.join(", "));
-        for words in columns.into_iter().chain(values) {
-            assert!(detectors.contains(&words), "{}: {words}", entry.name);
-        }
+    at.file("a.csv", "x,y,r\n0,0,1\n");
+    for (line, nearest) in [
+        ("dtect a.csv", "detect?"),
+        ("detect a.csv --detectr nbs", "--detector"),
+        ("detect a.csv --detector nbz", "nbs"),
+        ("detect a.csv --arithmetic f46", "f64"),
+        ("detect a.cvs", "a.csv"),
+        ("detect pcked:n=9", "packed:n=9"),
+        ("detect packed:m=9", "n"),
+        ("track a.csv --tracker verlt(nbs)", "verlet"),
+        ("track a.csv --motion vortx", "vortex"),
+        ("list detector", "detectors"),
+        ("run scalng", "scaling"),
+    ] {
+        let said = at.ends(2, line, &[nearest]);
+        assert_eq!(said.stdout, "", "{line}");
     }
-    for experiment in builtin::all().unwrap() {
-        let name = &experiment.name;
-        assert!(begins(&all, name) && begins(&experiments, name), "{name}");
-        assert!(experiments.contains(&experiment.question));
-    }
-    for scene in
-        ["packed", "loose", "clustered", "pack-a", "pack-b", "pack-c", "pack-d", "file", "hard"]
-    {
-        assert!(begins(&all, scene) && begins(&scenes, scene), "{scene}");
-    }
-    let hard_cases = listed("hard-cases");
-    for case in contactbench::scene::hard::cases() {
-        assert!(begins(&hard_cases, case.name), "{}", case.name);
-    }
-    assert!(hard_cases.lines().all(|line| line.chars().count() <= 100));
-    assert!(!begins(&experiments, "nbs") && !begins(&detectors, "scaling"));
 }
 
-/// Pipes and files get no colours. A terminal, made by `script` of util-linux, gets colours unless
-/// NO_COLOR is set.
 #[test]
-fn colours_are_for_terminals() {
+fn lists_have_every_name_and_json_is_read_back() {
     let at = Place::new();
-    for line in ["--help", "dtect", "list detectors"] {
-        let mut command = program(at.root(), &line.split(' ').collect::<Vec<_>>());
-        command.env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE");
-        let ended = ended(command.output().unwrap());
-        assert!(!ended.stdout.contains('\x1b') && !ended.stderr.contains('\x1b'), "{line}");
-    }
-    let on_terminal = |no_color: &str| {
-        let mut command = Command::new("script");
-        command.args(["-qec", &format!("{no_color} {PROGRAM} --help"), "/dev/null"]);
-        command.env("TERM", "xterm-256color").stdin(Stdio::null()).current_dir(at.root());
-        command.env_remove("NO_COLOR").env_remove("CLICOLOR").env_remove("CI");
-        command.output().ok().map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
+    let listed = |what: &str, names: Vec<&str>| {
+        let json = at.json(&format!("list {what}"));
+        let items = json[what.replace('-', "_")].as_array().unwrap();
+        assert!(items.iter().map(|item| item["name"].as_str().unwrap()).eq(names.clone()));
+        let text = at.good(&format!("list {what}")).stdout;
+        names.iter().for_each(|name| assert!(text.contains(name), "{name}"));
     };
-    let (Some(plain), Some(styled)) = (on_terminal("NO_COLOR=1"), on_terminal("")) else { return };
-    assert!(plain.contains("detect"), "script ran the program: {plain}");
-    assert_eq!((plain.contains('\x1b'), styled.contains('\x1b')), (false, true), "{styled}");
+    listed("detectors", TABLE.iter().map(|it| it.name).collect());
+    listed("scenes", GENERATORS.iter().map(|it| it.name).collect());
+    listed("hard-cases", hard::cases().map(|it| it.name).collect());
+    let experiments = builtin::all().unwrap();
+    listed("experiments", experiments.iter().map(|it| &*it.name).collect());
+    at.file("a.csv", "x,y,r\n0,0,1\n1,0,1\n");
+    at.file("a_pairs.csv", "i,j\n0,1\n");
+    for (line, key) in [
+        ("list", "trackers"),
+        ("inspect a.csv", "scene_hash"),
+        ("verify a.csv --pairs a_pairs.csv", "errors"),
+        ("track a.csv --frames 3", "trackers"),
+    ] {
+        assert!(!at.json(line)[key].is_null(), "{line}");
+    }
 }

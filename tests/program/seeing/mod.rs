@@ -2,7 +2,6 @@
 
 mod boxes;
 mod browser;
-mod films;
 mod layout;
 mod page;
 mod pages;

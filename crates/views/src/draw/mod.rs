@@ -1,38 +1,31 @@
-//! Pictures of scenes: discs, or a slice through spheres, with their contacts and the errors of a
-//! detector.
+//! Pictures of scenes as SVG: discs, or a slice through spheres, with their contacts and the errors
+//! of a list of pairs.
 //!
 //! ```
 //! use contactbench_io::pairs::List;
 //! use contactbench_scenes::spec::Spec;
 //! use contactbench_scenes::touching::in_any_box;
-//! use contactbench_views::draw::{self, Highlighted, Look};
+//! use contactbench_views::draw::{self, Look, Pairs};
 //!
 //! let scene = in_any_box(&Spec::parse("packed:n=50")?.given()?)?;
 //! let list = List { pairs: vec![[0, 1]], ..List::default() }; // by some detector, in any order
-//! let pairs = Highlighted::compare(&scene, &list, 1 << 30)?;
-//! let picture = draw::svg(&scene, &pairs, &Look::titled("what it missed"))?;
+//! let pairs = Pairs::compare(&scene, &list, 1 << 30)?;
+//! let picture = draw::svg(&scene, &pairs, &Look { title: "example".into(), ..Look::default() })?;
 //! assert!(picture.contains("missed"));
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 //!
-//! Open space is drawn as a box that is periodic along no vector. Lengths in the picture are
-//! relative to the scene's extent, so that offsets and scales do not matter. Particles are numbered
-//! from 0.
-//!
-//! * `pairs`: pairs to be drawn; `bodies`: particles, and the images that a pair touches.
-//! * `plane`: spheres become circles in the plane of the slice; `outline`: the faces of the box.
-//! * `page_coordinates`: from lengths of the scene to pixels; `sheet`: the picture.
+//! * `pairs`: the pairs that are drawn; `bodies`: particles, and the images that a pair touches.
+//! * `plane`: circles in the drawn plane; `sheet`: the picture.
 
-pub(super) mod bodies;
-mod outline;
-pub(super) mod page_coordinates;
+mod bodies;
 mod pairs;
-pub(super) mod plane;
+mod plane;
 mod sheet;
 
 use anyhow::{bail, ensure};
 use bodies::Bodies;
-pub use pairs::Highlighted;
+pub use pairs::Pairs;
 use plane::Plane;
 pub use plane::Slice;
 use sheet::Sheet;
@@ -40,20 +33,14 @@ use sheet::Sheet;
 use contactbench_ground::periodic::Periodic;
 use contactbench_terms::number::number;
 
-/// Maximum number of particles in a picture. More would look like a grey surface, and few viewers
-/// could open the file.
+/// Maximum number of particles in a picture, because few viewers could open a larger file.
 pub const MOST_PARTICLES: usize = 200_000;
 /// Maximum number of lines between particles.
 pub const MOST_LINES: usize = 2_000_000;
-/// Maximum number of particles that are labelled by default.
-pub const LABELLED: usize = 60;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
     pub title: String,
-    /// Whether particles are labelled; by default only if there are at most [`LABELLED`].
-    pub labels: Option<bool>,
-    pub grid: bool,
     /// Plane that cuts spheres; by default through the worst error of a list, else through the
     /// middle along z.
     pub slice: Option<Slice>,
@@ -61,26 +48,11 @@ pub struct Look {
     pub whole: bool,
 }
 
-impl Look {
-    pub fn titled(title: impl Into<String>) -> Look {
-        Look { title: title.into(), ..Look::default() }
-    }
-}
-
 /// Returns the picture as SVG. Fails for more than [`MOST_PARTICLES`] particles or [`MOST_LINES`]
-/// pairs in the plane, for a slice of discs, for a slice that meets no sphere, and for the grid of
-/// a periodic box.
-pub fn svg(periodic: &Periodic<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Result<String> {
-    ensure!(
-        !look.grid || !periodic.lattice().repeats(),
-        "--grid shows the cells of open boundaries, and the box repeats; leave it out, or give \
-         --open"
-    );
+/// pairs in the plane, for a slice of discs, and for a slice that meets no sphere.
+pub fn svg(periodic: &Periodic<'_>, pairs: &Pairs, look: &Look) -> anyhow::Result<String> {
     let (dim, count) = (periodic.scene().dim(), periodic.scene().len());
-    ensure!(
-        dim == 3 || look.slice.is_none(),
-        "a slice was asked for, but the scene is of discs; leave out --slice"
-    );
+    ensure!(dim == 3 || look.slice.is_none(), "a slice cuts spheres, not discs; leave out --slice");
     if let Some(pair) = pairs.all().find(|pair| pair.j as usize >= count) {
         bail!("the pair {pair}: the scene has {count} particles, numbered from 0");
     }
@@ -88,32 +60,26 @@ pub fn svg(periodic: &Periodic<'_>, pairs: &Highlighted, look: &Look) -> anyhow:
     let worst = pairs.worst(periodic).and_then(|pair| bodies.lines(pair).last());
     let through = worst.map(|pair| Slice::through(pair.map(|k| &bodies.all[k as usize])));
     let mut plane = Plane::new(&bodies.all, dim, look.slice.or(through), count);
-    if let (Some(slice), true, 1..) = (look.slice, plane.circles().next().is_none(), count) {
+    if let (Some(slice), 0, 1..) = (look.slice, plane.circles().count(), count) {
         let [low, high] = slice.range(&bodies.all).map(number);
-        bail!(
-            "no sphere meets the slice {axis}={}; {axis} goes from {low} to {high}",
-            slice.at,
-            axis = slice.name()
-        );
+        let Slice { at, .. } = slice;
+        bail!("no sphere meets the slice {0}={at}; {0} goes from {low} to {high}", slice.name());
     }
     let detail = worst.filter(|pair| !look.whole && sheet::too_small(&plane, *pair));
     if let Some(pair) = detail {
         plane.zoom(pair);
     }
-    ensure!(
-        plane.circles().count() <= MOST_PARTICLES,
-        "{} particles are too many to be seen; at most {MOST_PARTICLES} are drawn: draw a part of \
-         the scene{}",
-        plane.circles().count(),
-        if dim == 3 { ", or another slice" } else { "" }
-    );
     let lines = pairs.all().flat_map(|pair| bodies.lines(*pair));
     let lines = lines.filter(|pair| pair.iter().all(|&k| plane.circle(k).is_some())).count();
-    ensure!(
-        lines <= MOST_LINES,
-        "{lines} pairs are too many to be seen; at most {MOST_LINES} are drawn: draw a part of the \
-         scene, or are the radii in another unit than the coordinates?"
-    );
+    for (number, most, what) in
+        [(plane.circles().count(), MOST_PARTICLES, "particles"), (lines, MOST_LINES, "pairs")]
+    {
+        ensure!(
+            number <= most,
+            "{number} {what} are too many to be seen; at most {most} are drawn: draw a part of the \
+             scene, and check the unit of the radii"
+        );
+    }
     let (bodies, plane) = (&bodies, &plane);
     Ok(Sheet { periodic, bodies, plane, pairs, look, detail }.svg())
 }

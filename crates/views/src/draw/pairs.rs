@@ -1,25 +1,20 @@
-//! The pairs of a picture: contacts, near misses, and the errors of a list.
+//! The pairs of a picture: contacts, and the errors of a list.
 
 use std::collections::HashMap;
 
 use anyhow::{Context, bail, ensure};
 
-use contactbench_detectors::near::{contacts, nearly};
+use contactbench_detectors::near::contacts;
 use contactbench_ground::periodic::{ImagePair, Periodic, depth};
 use contactbench_io::boxes;
 use contactbench_io::pairs::List;
 use contactbench_scenes::touching::nearest;
 
-/// A pair is nearly tangent if its overlap or gap is below this share of its mean radius.
-pub const NEAR: f64 = 1e-6;
-
 /// Pairs of particles by kind. Particles are numbered from 0.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Highlighted {
+pub struct Pairs {
     /// Contacts, except missed ones.
     pub contacts: Vec<ImagePair>,
-    /// Pairs that do not touch and have a tiny gap.
-    pub near: Vec<ImagePair>,
     pub missed: Vec<ImagePair>,
     /// Reported pairs that do not touch, or that join a particle with itself.
     pub spurious: Vec<ImagePair>,
@@ -27,30 +22,24 @@ pub struct Highlighted {
     pub duplicates: Vec<ImagePair>,
 }
 
-impl Highlighted {
-    /// Finds the contacts of a scene, in exact arithmetic, and pairs with a tiny gap. Fails if the
-    /// list of pairs needs more than `limit` bytes.
-    pub fn from_scene(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Highlighted> {
-        let contacts = contacts(periodic, limit)?;
-        let near = nearly(periodic, NEAR, limit);
-        Ok(Highlighted { contacts, near, ..Highlighted::default() })
+impl Pairs {
+    /// Finds the contacts of a scene, in exact arithmetic. Fails if they need more than `limit`
+    /// bytes.
+    pub fn from_scene(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Pairs> {
+        Ok(Pairs { contacts: contacts(periodic, limit)?, ..Pairs::default() })
     }
 
-    /// Finds contacts as [`Highlighted::from_scene`] does, and the errors of a list of pairs. In a
+    /// Finds contacts as [`Pairs::from_scene`] does, and the errors of a list of pairs. In a
     /// list without images, a pair stands for all its contacts, or for the nearest image if it has
     /// none. Fails if the list names particles or images that the scene lacks.
-    pub fn compare(
-        periodic: &Periodic<'_>,
-        list: &List,
-        limit: u64,
-    ) -> anyhow::Result<Highlighted> {
-        let pairs = Highlighted::from_scene(periodic, limit)?;
+    pub fn compare(periodic: &Periodic<'_>, list: &List, limit: u64) -> anyhow::Result<Pairs> {
+        let pairs = Pairs::from_scene(periodic, limit)?;
         let reported = reported(periodic, list, &pairs.contacts)?;
         Ok(pairs.against(reported))
     }
 
     /// Compares reported contacts, in any order, with those of the scene.
-    pub fn against(mut self, mut reported: Vec<ImagePair>) -> Highlighted {
+    pub fn against(mut self, mut reported: Vec<ImagePair>) -> Pairs {
         reported.sort_unstable();
         for same in reported.chunk_by(|a, b| a == b) {
             if self.contacts.binary_search(&same[0]).is_err() {
@@ -64,8 +53,8 @@ impl Highlighted {
     }
 
     pub fn all(&self) -> impl Iterator<Item = &ImagePair> {
-        let Highlighted { contacts, near, missed, spurious, duplicates } = self;
-        [contacts, near, missed, spurious, duplicates].into_iter().flatten()
+        let Pairs { contacts, missed, spurious, duplicates } = self;
+        [contacts, missed, spurious, duplicates].into_iter().flatten()
     }
 
     /// Returns the worst error: the deepest missed pair, else the spurious pair with the widest
@@ -90,25 +79,18 @@ fn reported(
         boxes::hold(axes, list.images.as_deref())?;
     } else if let Some(k) = list.images.iter().flatten().position(|image| *image != [0; 3]) {
         let [i, j] = list.pairs[k];
-        bail!(
-            "the pair {i},{j} names an image in a periodic box, and boundaries are open here; give \
-             --box LX,LY,LZ"
-        );
+        bail!("the pair {i},{j} names an image, and boundaries are open here; give --box LX,LY,LZ");
     }
     let mut pairs = Vec::new();
     let room = pairs.try_reserve_exact(list.pairs.len());
     room.with_context(|| format!("no memory for {} pairs", list.pairs.len()))?;
     for (k, &[i, j]) in list.pairs.iter().enumerate() {
         let (Ok(a), Ok(b)) = (u32::try_from(i), u32::try_from(j)) else {
-            bail!(
-                "the pair {i},{j}: particles are numbered from 0; contactbench verify reads other \
-                 numbers"
-            )
+            bail!("the pair {i},{j}: particles are numbered from 0; verify reads other numbers")
         };
         ensure!(
             (a as usize) < n && (b as usize) < n,
-            "the pair {i},{j}: the scene has {n} particles, numbered from 0; the list belongs to \
-             another scene"
+            "the pair {i},{j}: the scene has {n} particles, numbered from 0"
         );
         let image = list.images.as_ref().map_or([0; 3], |images| images[k]);
         pairs.push(ImagePair::new(a, b, image));
@@ -154,13 +136,13 @@ mod tests {
         let scene = in_open_space(&scene).unwrap();
         let compare = |pairs: &[[i64; 2]]| {
             let list = List { pairs: pairs.to_vec(), ..List::default() };
-            Highlighted::compare(&scene, &list, 1 << 20)
+            Pairs::compare(&scene, &list, 1 << 20)
         };
         let found = compare(&[[2, 1], [1, 2], [3, 0], [0, 0]]).unwrap();
         let names =
             |pairs: &[ImagePair]| pairs.iter().map(|pair| [pair.i, pair.j]).collect::<Vec<_>>();
         assert_eq!([&found.contacts, &found.missed].map(|it| names(it)), [[[1, 2]], [[0, 1]]]);
-        assert_eq!([&found.near, &found.duplicates].map(|it| names(it)), [[[2, 3]], [[1, 2]]]);
+        assert_eq!(names(&found.duplicates), [[1, 2]]);
         assert_eq!(names(&found.spurious), [[0, 0], [0, 3]]);
         for (pair, words) in [
             ([-1, 2], "the pair -1,2: particles are numbered from 0"),

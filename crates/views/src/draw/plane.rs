@@ -1,10 +1,11 @@
-//! Circles in the drawn plane: discs, or spheres cut by a slice.
+//! Circles in the drawn plane: discs, or spheres cut by a slice. The outline of the box there.
 
 use std::str::FromStr;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::Context;
 
 use crate::draw::bodies::Body;
+use contactbench_ground::scene::Lattice;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
@@ -42,19 +43,15 @@ impl FromStr for Slice {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> anyhow::Result<Slice> {
-        let (name, at) = text
-            .split_once('=')
-            .with_context(|| format!("'{text}' is not a slice; write axis=place, as in z=0.5"))?;
-        let axis = match name.trim() {
-            "x" => 0,
-            "y" => 1,
-            "z" => 2,
-            other => bail!("'{text}': the axis is '{other}'; it must be x, y or z, as in z=0.5"),
+        let read = || {
+            let (name, at) = text.split_once('=')?;
+            let axis = ["x", "y", "z"].iter().position(|axis| *axis == name.trim())?;
+            let at = at.trim().parse().ok().filter(|at: &f64| at.is_finite())?;
+            Some(Slice { axis, at })
         };
-        let place = at.trim().parse::<f64>().ok();
-        let at = place.with_context(|| format!("'{text}': '{at}' is not a number; write z=0.5"))?;
-        ensure!(at.is_finite(), "'{text}': {at} is not a finite number; write z=0.5");
-        Ok(Slice { axis, at })
+        read().with_context(|| {
+            format!("'{text}' is not a plane; write an axis x, y or z and a number, as in z=0.5")
+        })
     }
 }
 
@@ -133,24 +130,50 @@ impl Plane {
         }
     }
 
-    pub fn bounds(&self) -> Option<Rectangle> {
-        bounds(self.circles())
+    /// Returns the corners of a box in the plane, in order around it.
+    pub fn outline(&self, lattice: &Lattice) -> Vec<[f64; 2]> {
+        let corner = |weights: [f64; 3]| {
+            let vectors = || lattice.vectors().iter().zip(weights);
+            let sum = |k: usize| vectors().map(|(v, times)| v[k] * times).sum::<f64>();
+            [0, 1, 2].map(|k| (lattice.origin()[k] + sum(k)) * self.factor)
+        };
+        let ends = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let mut points: Vec<[f64; 2]> = match self.slice {
+            None => ends.map(|[a, b]| corner([a, b, 0.0])).map(|[x, y, _]| [x, y]).into(),
+            Some(Slice { axis, at }) => {
+                let edges = (0..3).flat_map(|vector| ends.map(|[a, b]| (vector, a, b)));
+                let crossing = |(vector, a, b): (usize, f64, f64)| {
+                    let mut weights = [a, b, 0.0];
+                    weights.swap(vector, 2);
+                    let from = corner(weights);
+                    weights[vector] = 1.0;
+                    let to = corner(weights);
+                    let part = (at * self.factor - from[axis]) / (to[axis] - from[axis]);
+                    let between = |k: usize| from[k] + (to[k] - from[k]) * part;
+                    (0.0..=1.0).contains(&part).then(|| self.axes.map(between))
+                };
+                edges.filter_map(crossing).collect()
+            }
+        };
+        points.retain(|point| point.iter().all(|x| x.is_finite()));
+        let count = points.len() as f64;
+        let middle = [0, 1].map(|k| points.iter().map(|point| point[k] / count).sum::<f64>());
+        let angle = |point: &[f64; 2]| (point[1] - middle[1]).atan2(point[0] - middle[0]);
+        points.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+        points
     }
-}
 
-/// Lower left and upper right corner.
-pub type Rectangle = [[f64; 2]; 2];
-
-/// Returns the smallest rectangle around the circles; `None` without circles.
-pub fn bounds<'a>(circles: impl IntoIterator<Item = &'a Circle>) -> Option<Rectangle> {
-    let around = |circle: &Circle| [-1.0, 1.0].map(|side| circle.at.map(|x| x + side * circle.r));
-    hull(circles.into_iter().map(around))
-}
-
-pub fn hull(all: impl Iterator<Item = Rectangle>) -> Option<Rectangle> {
-    all.reduce(|[least, most], [low, high]| {
-        [[0, 1].map(|k| least[k].min(low[k])), [0, 1].map(|k| most[k].max(high[k]))]
-    })
+    /// Returns the lower left and the upper right corner of a rectangle around the circles and
+    /// further points.
+    pub fn bounds(&self, more: &[[f64; 2]]) -> [[f64; 2]; 2] {
+        let around =
+            |circle: &Circle| [-1.0, 1.0].map(|side| circle.at.map(|x| x + side * circle.r));
+        let all = self.circles().map(around).chain(more.iter().map(|&point| [point, point]));
+        let wider = |[low, high]: [[f64; 2]; 2], [least, most]: [[f64; 2]; 2]| {
+            [[0, 1].map(|k| low[k].min(least[k])), [0, 1].map(|k| high[k].max(most[k]))]
+        };
+        all.reduce(wider).unwrap_or([[0.0; 2], [1.0; 2]])
+    }
 }
 
 #[cfg(test)]

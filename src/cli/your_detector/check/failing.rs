@@ -14,7 +14,7 @@ use contactbench_ground::periodic::{ImagePair, depth};
 use contactbench_run::check::{Differences, Failure, Report, Wrong, regression};
 use contactbench_scenes::touching::{in_any_box, particle};
 use contactbench_terms::number::{mean_radii, plural};
-use contactbench_views::draw::{self, Highlighted, Look};
+use contactbench_views::draw::{self, Look, Pairs};
 
 const KINDS: usize = 6;
 
@@ -108,8 +108,8 @@ pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<(
 fn picture(failure: &Failure) -> Option<String> {
     let Failure { detector, arithmetic, found, smallest, wrong, .. } = failure;
     let (smallest, limit) = (in_any_box(smallest).ok()?, default_limit());
-    let mut pairs = Highlighted::from_scene(&smallest, limit).ok()?;
-    pairs.contacts = boxes::truth(&smallest, *arithmetic, limit).ok()?.pairs;
+    let contacts = boxes::truth(&smallest, *arithmetic, limit).ok()?.pairs;
+    let mut pairs = Pairs { contacts, ..Pairs::default() };
     let wrong = wrong.as_ref().unwrap_or(found);
     if let Wrong::Pairs(Differences { missed, spurious, selves, duplicate }) = wrong {
         pairs.contacts.retain(|pair| missed.binary_search(pair).is_err());
@@ -118,7 +118,7 @@ fn picture(failure: &Failure) -> Option<String> {
         pairs.duplicates = duplicate.clone();
     }
     let title = format!("{detector}, {}: {wrong}", arithmetic.name());
-    draw::svg(&smallest, &pairs, &Look::titled(title)).ok()
+    draw::svg(&smallest, &pairs, &Look { title, ..Look::default() }).ok()
 }
 
 pub(super) fn describe(
