@@ -1,4 +1,4 @@
-//! Records compiler, flags, features and commit of the build, for the provenance of results.
+//! Records compiler, flags and commit of the build, for the provenance of results.
 
 use std::path::Path;
 use std::process::Command;
@@ -26,13 +26,6 @@ fn main() {
     let flags = std::env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default().replace('\u{1f}', " ");
     note("RUSTFLAGS", &flags);
     note("PROFILE", &std::env::var("PROFILE").unwrap_or_default());
-    let enabled = std::env::vars_os().filter_map(|(name, _)| {
-        let name = name.to_str()?.strip_prefix("CARGO_FEATURE_")?.to_lowercase().replace('_', "-");
-        (name != "default").then_some(name)
-    });
-    let mut features: Vec<String> = enabled.collect();
-    features.sort();
-    note("FEATURES", &features.join(" "));
 
     let sources: Vec<&str> = SOURCES.into_iter().filter(|path| Path::new(path).exists()).collect();
     let commit = commit(&sources);

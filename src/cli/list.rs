@@ -6,7 +6,6 @@ use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 
 use crate::cli::shared::terminal;
-use contactbench_detectors::peers::PEERS;
 use contactbench_detectors::table;
 use contactbench_detectors::table::TABLE;
 use contactbench_detectors::tracker;
@@ -71,12 +70,8 @@ impl What {
 
     /// Returns a table with two columns: each name, and its lines with an empty line below.
     fn table(self) -> anyhow::Result<Table> {
-        let names = PEERS.map(|peer| peer.name).join(", ");
-        let libraries = format!("libraries, with the cargo feature peers: {names}");
-        let more = self == What::Detectors && !cfg!(feature = "peers");
         let rows: Vec<(String, Vec<String>)> = std::iter::once((String::new(), Vec::new()))
             .chain(self.items()?.into_iter().map(|Item { name, lines, .. }| (name, lines)))
-            .chain(more.then(|| (String::new(), vec![libraries])))
             .collect();
         let lines = |lines: &[String]| [lines, &[String::new()]].concat();
         let table = Table::of(self.name(), &rows).left("", |row| row.0.as_str());

@@ -19,7 +19,6 @@ macro_rules! build {
         $crate::record::origin::built::Build {
             revision: env!("CONTACTBENCH_REVISION"),
             dirty: env!("CONTACTBENCH_DIRTY"),
-            features: env!("CONTACTBENCH_FEATURES"),
             rustc: env!("CONTACTBENCH_RUSTC"),
             rustflags: env!("CONTACTBENCH_RUSTFLAGS"),
             profile: env!("CONTACTBENCH_PROFILE"),

@@ -106,7 +106,7 @@ fn known_scenes() {
 fn points_are_taken() {
     let AnyScene::Plane(Stored::F64(loose)) = make("loose:n=300") else { unreachable!() };
     let points = Scene::new(loose.centres().to_vec(), Radii::Uniform(0.0)).unwrap().into();
-    for entry in detectors().iter().filter(|entry| entry.is_ours()) {
+    for entry in detectors() {
         let seen = agree(&mut *entry.make(Options::default()), &points, entry.name);
         assert_eq!(seen, [Arithmetic::SAFE.len() as u32, 0], "{}", entry.name);
     }
@@ -141,8 +141,7 @@ fn a_refusal_leaves_no_trace() {
         let mut reported = 0;
         let mut sink = Visit(|_, _| reported += 1);
         let refused = detector.visit(&sparse, Test::Exact, &mut sink).is_err();
-        // Detectors of other libraries have no memory limit, so they may take the scene.
-        let may_take = entry.name == "direct" || !entry.is_ours();
+        let may_take = entry.name == "direct";
         assert!(refused && reported == 0 || !refused && may_take, "{}", entry.name);
         let mut digest = Digest::default();
         detector.visit(&small, Test::Exact, &mut digest).unwrap();

@@ -3,18 +3,15 @@
 use contactbench_ground::detect::Options;
 use contactbench_ground::detect::any::{AnyDetector, Params};
 
-/// Kind of an entry: a detector of this project, a control, a twin or a library.
+/// Kind of an entry: a detector, a control or a twin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// A detector of this project; it finds all contacts.
+    /// A detector; it finds all contacts.
     Detector,
     /// A control that reports no contacts, to measure everything but detection.
     Nothing,
     /// A second entry with the named detector's code: differences of their times are noise.
     Twin(&'static str),
-    /// A library from outside this project. It finds all contacts, but need not follow this
-    /// project's rules about memory and refusals.
-    Peer,
 }
 
 contactbench_terms::named! {
@@ -31,8 +28,6 @@ contactbench_terms::named! {
         Controls = "@controls",
         /// Further twins of detectors, for experiments that need to measure noise well.
         Twins = "@twins",
-        /// Libraries from outside this project.
-        Peers = "@peers",
     }
 }
 
@@ -86,11 +81,6 @@ impl Entry {
     /// Returns whether the contacts must be right: false only for the control that reports none.
     pub fn must_be_right(&self) -> bool {
         self.role != Role::Nothing
-    }
-
-    /// Returns whether this project's rules about memory and refusals apply: false for peers.
-    pub fn is_ours(&self) -> bool {
-        self.role != Role::Peer
     }
 }
 

@@ -10,7 +10,6 @@ mod entry;
 pub mod modern;
 pub mod near;
 pub mod oracle;
-pub mod peers;
 pub mod spec;
 pub mod table;
 pub mod tracker;

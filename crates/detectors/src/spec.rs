@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use super::peers;
 use super::table::{self, Entry, Parameter};
 use contactbench_ground::detect::Options;
 use contactbench_ground::detect::any::AnyDetector;
@@ -102,18 +101,12 @@ pub enum SpecError {
     /// A name that is not in the table of detectors.
     #[error(
         "there is no detector '{name}'{}; the detectors are: {}",
-        hint(name, table::all_names().filter(|known| *known != name.as_str())),
+        hint(name, table::all_names()),
         table::names()
     )]
     Unknown {
         /// Name as given.
         name: String,
-    },
-    /// A detector of a library that this program was built without.
-    #[error("{reason}")]
-    NotBuilt {
-        /// Name of the missing library, and how to get it.
-        reason: String,
     },
     /// A text that is not of the form `name:parameter=value`, or an unknown parameter or value.
     #[error(transparent)]
@@ -128,10 +121,7 @@ pub enum SpecError {
 pub fn parse(spec: &str) -> Result<DetectorSpec, SpecError> {
     let given = Spec::parse(spec);
     let Some(entry) = table::find(given.name) else {
-        return Err(match peers::missing(given.name) {
-            Some(reason) => SpecError::NotBuilt { reason },
-            None => SpecError::Unknown { name: given.name.into() },
-        });
+        return Err(SpecError::Unknown { name: given.name.into() });
     };
     read(entry, &given)
 }

@@ -11,7 +11,7 @@ use crate::cli::shared::terminal;
 use crate::cli::shared::values;
 use contactbench_record::experiment::shard::Part;
 use contactbench_record::record::row;
-use contactbench_run::plan::{builtin, detectors};
+use contactbench_run::plan::builtin;
 use contactbench_run::run::machine::interrupt::{self, Interrupted};
 use contactbench_run::run::session::{self, Asked};
 
@@ -72,8 +72,6 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         // The copy in the record remains the plan of the whole.
         experiment.blocks = experiment.blocks.min(options.blocks.unwrap_or(u32::MAX));
     }
-    let asked = experiments.iter().flat_map(|(experiment, _)| &experiment.detectors);
-    detectors::not_built(asked).iter().for_each(|missing| say!("{missing}"));
     let shard = options.shard.map(|part| part.shard);
     let folder = match (&options.out, options.shard) {
         (Some(folder), Some(Part { shard, told: true })) => folder.join(shard.file_name()),

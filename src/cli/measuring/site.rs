@@ -9,7 +9,6 @@ use anyhow::{Context, ensure};
 
 use crate::cli::measuring::report;
 use crate::cli::shared::terminal;
-use contactbench_detectors::peers::PEERS;
 use contactbench_detectors::table;
 use contactbench_record::record::origin::provenance;
 use contactbench_record::record::row;
@@ -68,8 +67,5 @@ fn find(root: &Path, folder: &Path, found: &mut Vec<Given>) -> anyhow::Result<()
 }
 
 fn about(name: &str) -> Option<About> {
-    let peer = PEERS.iter().find(|peer| peer.name == name);
-    let peer = peer.map(|peer| About { summary: peer.summary.into(), ours: false });
-    let ours = table::find(name).filter(|entry| entry.is_ours());
-    ours.map(|entry| About { summary: entry.summary.into(), ours: true }).or(peer)
+    table::find(name).map(|entry| About { summary: entry.summary.into(), ours: true })
 }

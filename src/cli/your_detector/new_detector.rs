@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use anyhow::{Context, bail, ensure};
 
 use crate::cli::shared::terminal;
-use contactbench_detectors::{peers, table};
+use contactbench_detectors::table;
 
 /// The detector that is written; tests compile and check it.
 const TEMPLATE: &str = include_str!("template.rs");
@@ -95,10 +95,6 @@ fn names(given: &str) -> anyhow::Result<Names> {
     ensure!(
         table::find(&name).is_none(),
         "the detector '{name}' exists already; choose another name"
-    );
-    ensure!(
-        peers::missing(&name).is_none(),
-        "'{name}' is a library that contactbench measures; choose another name"
     );
     let kind: String =
         name.split('-').map(|piece| piece[..1].to_uppercase() + &piece[1..]).collect();

@@ -3,8 +3,8 @@
 mod codes;
 mod help;
 mod new_detector;
-mod peers;
 mod protocol;
 mod readme;
+mod runners;
 mod satellites;
 mod walls;

@@ -2,28 +2,14 @@
 //! experiment and test.
 
 use super::book::{binary_tree, direct, nbs, screening, sorting};
+use super::control;
 pub use super::entry::{Entry, Group, Parameter, Role, Speed};
 use super::modern::{bvh, cell_grid, hash_grid, kd_tree, sweep};
-#[cfg(feature = "peers")]
-use super::peers::{
-    Peer,
-    library::{Library, Wrapped},
-};
 pub use super::spec::{DetectorSpec, SpecError, parse};
-use super::{control, peers};
 use contactbench_ground::detect::Options;
 pub use contactbench_ground::detect::any::Params;
 use contactbench_ground::detect::any::{AnyDetector, Both};
 use contactbench_streamed::Form;
-
-#[cfg(feature = "peers")]
-const fn peer<L: Library<2> + Library<3> + 'static>(peer: &Peer) -> Entry {
-    let constructor = Both::<Wrapped<L, 2>, Wrapped<L, 3>>::boxed;
-    let Peer { name, summary, cost, limits } = *peer;
-    let (role, group, speed) = (Role::Peer, Group::Peers, Speed::Slow);
-    let memory = "the library's own";
-    Entry { name, role, group, summary, cost, memory, limits, speed, constructor, ..PLAIN }
-}
 
 /// A detector of the usual speed with one thread and no parameters, from which entries begin.
 pub const PLAIN: Entry = Entry {
@@ -239,16 +225,6 @@ pub static TABLE: &[Entry] = &[
         constructor: streamed,
         ..PLAIN
     },
-    #[cfg(feature = "peers")]
-    peer::<peers::kiddo::Kiddo>(&peers::KIDDO),
-    #[cfg(feature = "peers")]
-    peer::<peers::kd_tree::KdTree>(&peers::KD_TREE),
-    #[cfg(feature = "peers")]
-    peer::<peers::rstar::Rstar>(&peers::RSTAR),
-    #[cfg(feature = "peers")]
-    peer::<peers::parry::Parry>(&peers::PARRY),
-    #[cfg(feature = "peers")]
-    peer::<peers::zelll::Zelll>(&peers::ZELLL),
 ];
 
 /// Name of the default detector.
@@ -304,8 +280,7 @@ pub fn names() -> String {
     detectors.map(|entry| entry.name).collect::<Vec<_>>().join(", ")
 }
 
-/// Returns the names of all detectors and controls, including libraries that were not compiled in.
+/// Returns the names of all detectors and controls.
 pub fn all_names() -> impl Iterator<Item = &'static str> {
-    let peers = peers::PEERS.iter().map(|peer| peer.name).filter(|name| find(name).is_none());
-    TABLE.iter().map(|entry| entry.name).chain(peers)
+    TABLE.iter().map(|entry| entry.name)
 }

@@ -120,9 +120,6 @@ pub enum Refusal {
          contacts depend on the images of each frame; use exact, or the tracker every-step"
     )]
     Rounded { arithmetic: &'static str },
-    /// The library that a detector calls cannot handle the scene.
-    #[error("{detector}: {reason}")]
-    Library { detector: &'static str, reason: String },
 }
 
 impl Refusal {

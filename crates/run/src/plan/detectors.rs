@@ -3,10 +3,8 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use contactbench_detectors::peers;
-use contactbench_detectors::peers::PEERS;
 use contactbench_detectors::table;
-use contactbench_detectors::table::{Group, SpecError, TABLE};
+use contactbench_detectors::table::{Group, TABLE};
 use contactbench_detectors::tracker;
 use contactbench_detectors::tracker::TrackerError;
 use contactbench_record::experiment::twice;
@@ -32,8 +30,6 @@ pub fn expand(names: &[String], is_copy: bool) -> Result<Vec<String>, String> {
         }
         let name = match written(name) {
             Ok(name) => name,
-            // A detector that was not compiled gets rows that state how to enable it.
-            Err(TrackerError::Detector(SpecError::NotBuilt { .. })) => name.clone(),
             Err(_) if is_copy => name.clone(),
             Err(error) => return Err(error.to_string()),
         };
@@ -77,35 +73,15 @@ pub fn members(group: &str) -> Result<Vec<String>, String> {
         }
     };
     let names = TABLE.iter().filter(|entry| groups.contains(&entry.group)).map(|entry| entry.name);
-    // Peers that were not compiled are included; their rows state how to enable them.
-    let peers = groups.contains(&Group::Peers).then(|| PEERS.iter().map(|peer| peer.name));
-    let mut names: Vec<String> = names.map(String::from).collect();
-    for peer in peers.into_iter().flatten() {
-        if !names.iter().any(|name| name == peer) {
-            names.push(peer.into());
-        }
-    }
-    Ok(names)
+    Ok(names.map(String::from).collect())
 }
 
 pub fn role(role: table::Role) -> Role {
     match role {
         table::Role::Detector => Role::Detector,
-        table::Role::Peer => Role::Peer,
         table::Role::Nothing => Role::Nothing,
         table::Role::Twin(original) => Role::Twin(original.into()),
     }
-}
-
-pub fn not_built<'a>(names: impl Iterator<Item = &'a String>) -> Option<String> {
-    let missing = names.filter(|name| peers::missing(name).is_some());
-    let missing: BTreeSet<&str> = missing.map(String::as_str).collect();
-    let of_table = PEERS.iter().map(|peer| peer.name).filter(|name| missing.contains(name));
-    let all: Vec<&str> = of_table.collect();
-    let how = peers::missing(all.first()?).unwrap_or_default();
-    let how = how.rsplit_once("; ").map_or(&*how, |(_, how)| how);
-    let are = if all.len() == 1 { "is" } else { "are" };
-    Some(format!("{} {are} not measured, being libraries: {how}", all.join(", ")))
 }
 
 /// Returns the normal form of the name of a detector or tracker; other names stay unchanged.
@@ -141,7 +117,6 @@ mod tests {
             "nbs direct binary-tree screening sorting"
         );
         assert_eq!(expanded(&["@controls"]).unwrap(), "nothing nbs-twin");
-        assert_eq!(expanded(&["@peers"]).unwrap(), "kiddo kd-tree-crate rstar parry zelll");
         let all = expanded(&["@all"]).unwrap();
         assert_eq!(all, expanded(&["@book", "@streamed", "@modern"]).unwrap());
         let searches = TABLE.iter().filter(|entry| entry.role == table::Role::Detector).count();

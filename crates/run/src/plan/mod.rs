@@ -155,8 +155,8 @@ fn subjects(experiment: &Experiment) -> Vec<PlannedSubject> {
     let mut all = Vec::new();
     for &arithmetic in &experiment.arithmetics {
         for name in &experiment.detectors {
-            // Sequential detectors, and peers that were not compiled, run with one thread. A
-            // tracker runs with as many threads as its detector.
+            // Sequential detectors run with one thread. A tracker runs with as many threads as its
+            // detector.
             let spec = contactbench_detectors::tracker::parse(name);
             let entry = spec.as_ref().map(|spec| spec.detector().entry);
             let role = entry.map_or(Role::Peer, |entry| detectors::role(entry.role));

@@ -70,8 +70,7 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
         );
     }
     let contacts = count.first;
-    let mut entries: Vec<_> =
-        TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer)).collect();
+    let mut entries: Vec<_> = TABLE.iter().filter(|entry| entry.role == Role::Detector).collect();
     // Detectors that are usually fast come first, so that probes of slow ones can be cut short.
     entries.sort_by_key(|entry| entry.speed);
     let room = subject::room(given.scene.len() as u64, contacts);

@@ -258,14 +258,11 @@ mod tests {
     }
 
     #[test]
-    fn beside_another_build_are_detectors_and_libraries() {
-        let experiment = experiment_with("detectors = [\"nothing\", \"nbs\", \"kiddo\"]");
+    fn beside_another_build_are_detectors() {
+        let experiment = experiment_with("detectors = [\"nothing\", \"nbs\"]");
         let program = Path::new("contactbench");
         let all = subjects(&experiment, program, Some(Path::new("base")));
         let names: Vec<&str> = all.iter().map(|one| &*one.name).collect();
-        let library = cfg!(feature = "peers");
-        assert_eq!(names[..3], ["nbs", "nbs@base", "nbs-twin"]);
-        assert_eq!(names[3..].len(), if library { 3 } else { 1 });
-        assert_eq!(all[3].missing.is_none(), library);
+        assert_eq!(names, ["nbs", "nbs@base", "nbs-twin"]);
     }
 }

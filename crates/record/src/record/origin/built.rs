@@ -9,7 +9,6 @@ pub struct Build {
     pub revision: &'static str,
     /// Whether source files differ from that commit: `true`, `false` or `unknown`.
     pub dirty: &'static str,
-    pub features: &'static str,
     pub rustc: &'static str,
     pub rustflags: &'static str,
     pub profile: &'static str,

@@ -31,7 +31,6 @@ pub fn gather(experiments: &[String], quick: bool, shard: Option<String>, label:
         "contactbench": env!("CARGO_PKG_VERSION"),
         "revision": revision(),
         "dirty": dirty(),
-        "features": build.features.split_whitespace().collect::<Vec<_>>(),
         "rustc": build.rustc,
         "rustflags": build.rustflags,
         "profile": build.profile,

@@ -93,7 +93,7 @@ fn hold(scenes: &[Given], keep: bool) {
                         Refusal::Images { .. } | Refusal::Away { .. } | Refusal::Range => {
                             given.lattice.is_some()
                         }
-                        _ => !entry.is_ours(),
+                        _ => false,
                     };
                     assert!(promised, "{spec} refuses: {refusal}\n{}", shown());
                 }

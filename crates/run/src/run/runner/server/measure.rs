@@ -155,14 +155,12 @@ impl Server {
             usage.push(meter.end());
         }
         let [Some(cold), Some(warm)] = usage[..] else { return Ok(Reply::Unsupported) };
-        // The memory of a library is not computed by a formula.
-        let ours = self.spec.detector().entry.is_ours();
         let memory = Memory {
             peak_bytes: cold.peak_bytes,
             live_bytes: cold.live_bytes,
             allocations: cold.allocations,
             warm_allocations: Some(warm.allocations),
-            formula_bytes: ours.then_some(formula),
+            formula_bytes: Some(formula),
             found: self.found(steps),
         };
         Ok(Reply::Memory(memory.into()))

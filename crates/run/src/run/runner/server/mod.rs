@@ -109,7 +109,6 @@ impl Server {
         };
         let build = build();
         let said = [
-            ("features", build.features),
             ("level", self.spec.detector().level().unwrap_or_default()),
             ("profile", build.profile),
             ("revision", provenance::revision().unwrap_or("unknown")),
