@@ -17,6 +17,7 @@ use crate::experiment::figures::{Figure, FigureKind};
 use crate::experiment::plain::plain;
 use crate::experiment::sweep::{Quick, SceneSweep};
 use crate::experiment::{Experiment, REQUIRED, keys};
+use contactbench_terms::arithmetic::Arithmetic;
 use contactbench_terms::nearest::hint;
 
 struct Problem {
@@ -59,8 +60,8 @@ pub struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Parses an experiment. The copy in a record may ask for kinds of figures that this program
-    /// lacks; they are left out.
+    /// Parses an experiment. The copy in a record may ask for arithmetics and kinds of figures that
+    /// this program lacks; they are left out.
     pub fn read(text: &'a str, is_copy: bool) -> anyhow::Result<(Experiment, Document<'a>)> {
         Document::parse(text, is_copy).map_err(|problem| problem.located(text))
     }
@@ -83,9 +84,11 @@ impl<'a> Document<'a> {
         })?;
         let claims =
             each(root, "claim", |claim, at| nest::<Claim, ClaimKind>(claim, at, "claim", None))?;
-        if let Some(DeValue::Array(all)) = root.get_mut("figure").map(Spanned::get_mut) {
-            let drawn = |figure: &&_| !is_copy || has_kind::<FigureKind>(Spanned::get_ref(figure));
-            *all = all.iter().filter(drawn).cloned().collect();
+        if is_copy {
+            retain(root, "figure", has_kind::<FigureKind>);
+            retain(root, "arithmetics", |value| {
+                value.as_str().is_none_or(|name| name.parse::<Arithmetic>().is_ok())
+            });
         }
         let figures = each(root, "figure", |figure, at| {
             nest::<Figure, FigureKind>(figure, at, "figure", Some("lines"))
@@ -150,6 +153,12 @@ fn each<'a>(
         places.push(place);
     }
     Ok(places)
+}
+
+fn retain(root: &mut DeTable<'_>, name: &str, is_known: impl Fn(&DeValue<'_>) -> bool) {
+    if let Some(DeValue::Array(all)) = root.get_mut(name).map(Spanned::get_mut) {
+        *all = all.iter().filter(|value| is_known(value.get_ref())).cloned().collect();
+    }
 }
 
 fn has_kind<'de, Kind: Deserialize<'de>>(table: &DeValue<'_>) -> bool {

@@ -3,9 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::*;
-use contactbench_record::experiment::{
-    Claim, ClaimKind, Figure, Quick, SceneSweep, expression, keys,
-};
+use contactbench_record::experiment::{Claim, ClaimKind, Figure, Quick, SceneSweep, keys};
 
 const PAGE: &str = include_str!("../../../../docs/EXPERIMENTS.md");
 const SCENE: &str = "\n[[scene]]\nname = \"packed\"\nn = 10\n";
@@ -85,10 +83,6 @@ fn every_key_is_on_the_page_and_no_other() {
     let groups: BTreeSet<&str> = detectors::groups().collect();
     let listed = rows(section("### Detectors and groups"));
     assert_eq!(listed.into_iter().map(|(group, _)| group).collect::<BTreeSet<_>>(), groups);
-    let page = section("## Expressions");
-    for function in expression::functions() {
-        assert!(page.contains(&format!("`{function}`")), "{function} is not on the page");
-    }
 }
 
 #[test]

@@ -1,8 +1,8 @@
-//! Expressions of claims and figures: `(list_push + list_step) / n`, `n * log2(n)`, `10^6`.
+//! Expressions of claims and figures: `(list_push + list_step) / n`, `10^6`.
 //!
 //! Numbers may have an exponent (`1e6`). `^` binds tightest and groups to the right, then the minus
 //! sign, then `*` and `/`, then `+` and `-`: `-n^2` is -(n²), `2^-1` is 1/2. An identifier is a
-//! variable, or a function if a parenthesis follows.
+//! variable.
 //!
 //! A precedence-climbing (Pratt) parser translates the expression to postfix order, which is
 //! evaluated on a stack.
@@ -17,25 +17,13 @@ use serde::{Deserialize, Deserializer};
 /// Maximum nesting of parentheses, signs and powers; it bounds the recursion of the parser.
 const DEEPEST: u32 = 64;
 
-type Unary = fn(f64) -> f64;
 type Binary = fn(f64, f64) -> f64;
-
-const UNARY: [(&str, Unary); 6] = [
-    ("abs", f64::abs),
-    ("sqrt", f64::sqrt),
-    ("exp", f64::exp),
-    ("ln", f64::ln),
-    ("log2", f64::log2),
-    ("log10", f64::log10),
-];
-
-const FOLDS: [(&str, Binary); 2] = [("min", f64::min), ("max", f64::max)];
 
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Number(f64),
     Variable(usize),
-    Unary(Unary),
+    Negate,
     Binary(Binary),
 }
 
@@ -116,12 +104,12 @@ impl Expression {
     pub fn evaluate(&self, value: impl Fn(&str) -> Option<f64>) -> Option<f64> {
         let values: Option<Vec<f64>> = self.variables().map(|(name, _)| value(name)).collect();
         let values = values?;
-        let mut stack = Vec::new();
+        let mut stack: Vec<f64> = Vec::new();
         for step in &self.steps {
             let result = match *step {
                 Step::Number(number) => number,
                 Step::Variable(k) => values[k],
-                Step::Unary(function) => function(stack.pop()?),
+                Step::Negate => -stack.pop()?,
                 Step::Binary(function) => {
                     let right = stack.pop()?;
                     function(stack.pop()?, right)
@@ -179,7 +167,7 @@ impl Parser {
             Some('-') => {
                 self.at += 1;
                 self.operand(SIGN)?;
-                self.expression.steps.push(Step::Unary(|x| -x));
+                self.expression.steps.push(Step::Negate);
                 Ok(())
             }
             Some('(') => {
@@ -188,7 +176,10 @@ impl Parser {
                 self.closed()
             }
             Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
-            Some(c) if c.is_alphabetic() || c == '_' => self.name(),
+            Some(c) if c.is_alphabetic() || c == '_' => {
+                self.variable();
+                Ok(())
+            }
             _ => Err(format!("a number, a variable or '(' is expected, not {}", self.found())),
         }
     }
@@ -226,49 +217,15 @@ impl Parser {
         }
     }
 
-    fn name(&mut self) -> Result<(), String> {
+    fn variable(&mut self) {
         let start = self.at;
         while self.rest.get(self.at).is_some_and(|c| c.is_alphanumeric() || *c == '_') {
             self.at += 1;
         }
         let name: String = self.rest[start..self.at].iter().collect();
-        let unary = UNARY.iter().find(|(known, _)| *known == name);
-        let fold = FOLDS.iter().find(|(known, _)| *known == name);
-        if self.peek() != Some('(') {
-            if unary.is_some() || fold.is_some() {
-                return Err(format!("the function {name} takes its arguments in parentheses"));
-            }
-            self.variable(name, start + 1);
-            return Ok(());
-        }
-        if unary.is_none() && fold.is_none() {
-            self.at = start;
-            let hint = contactbench_terms::nearest::hint(&name, functions());
-            let all = known();
-            return Err(format!("there is no function '{name}'{hint}; the functions are: {all}"));
-        }
-        self.at += 1;
-        self.operand(0)?;
-        if let Some((_, function)) = unary {
-            self.expression.steps.push(Step::Unary(*function));
-        }
-        if let Some((_, function)) = fold {
-            if self.peek() != Some(',') {
-                return Err(format!("{name} takes two arguments or more"));
-            }
-            while self.peek() == Some(',') {
-                self.at += 1;
-                self.operand(0)?;
-                self.expression.steps.push(Step::Binary(*function));
-            }
-        }
-        self.closed()
-    }
-
-    fn variable(&mut self, name: String, column: usize) {
         let variables = &mut self.expression.variables;
         let k = variables.iter().position(|(known, _)| *known == name).unwrap_or_else(|| {
-            variables.push((name, column));
+            variables.push((name, start + 1));
             variables.len() - 1
         });
         self.expression.steps.push(Step::Variable(k));
@@ -299,14 +256,6 @@ impl Parser {
     fn found(&mut self) -> String {
         self.peek().map_or("its end".into(), |c| format!("'{c}'"))
     }
-}
-
-pub fn functions() -> impl Iterator<Item = &'static str> {
-    FOLDS.iter().map(|(name, _)| *name).chain(UNARY.iter().map(|(name, _)| *name))
-}
-
-fn known() -> String {
-    functions().collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -28,9 +28,7 @@ fn operators_bind_as_in_mathematics() {
         ("1e6 + 10^6", 2e6),
         ("1.5E-3 + .5 + 2.", 2.5015),
         ("10 * n / 10^6", 1e-3),
-        ("log2(8) * sqrt(4)", 6.0),
-        ("min(3, n, 2) + max(1, per_cluster)", 10.0),
-        ("abs(-3) + exp(0) + ln(1) + log10(n)", 6.0),
+        ("per_cluster * 2", 16.0),
         ("\tn*( n-1 ) /2 ", 4950.0),
     ] {
         assert_eq!(value(text), expected, "{text}");
@@ -49,14 +47,7 @@ fn errors_name_the_column() {
         ("2n", 2, "an operator is expected, not 'n'"),
         (")", 1, "not ')'"),
         ("n / / 2", 5, "not '/'"),
-        ("log2", 5, "the function log2 takes its arguments in parentheses"),
-        (
-            "1 + log(n)",
-            5,
-            "there is no function 'log' (did you mean log2?); the functions are: min, max, abs",
-        ),
-        ("min(n)", 6, "min takes two arguments or more"),
-        ("sqrt(n, 2)", 7, "an operator or ')' is expected, not ','"),
+        ("log2(n)", 5, "an operator is expected, not '('"),
         ("1 + 1e999", 5, "'1e999' is not a finite number"),
         (".", 1, "'.' is not a finite number"),
         ("µ§", 2, "an operator is expected, not '§'"),

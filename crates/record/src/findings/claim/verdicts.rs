@@ -19,20 +19,19 @@ pub enum Answer {
     /// The arithmetic, or storing the scene in it, changed the pairs.
     Wrong(Errors),
     Lossy(Errors),
-    Refused(String),
-    Without(Outcome, String),
+    Refused,
+    Without(Outcome),
 }
 
 impl Answer {
     pub fn new(cell: &Cell) -> Answer {
-        let (outcome, reason) = cell.overall();
-        match (outcome, cell.errors) {
+        match (cell.overall().0, cell.errors) {
             (Outcome::Wrong, errors) => Answer::Defect(errors),
-            (Outcome::Refused, _) => Answer::Refused(reason.into()),
+            (Outcome::Refused, _) => Answer::Refused,
             (Outcome::Lossy, Some(errors)) => Answer::Lossy(errors),
             (Outcome::Ok, Some(errors)) if errors.wrong() == 0 => Answer::Right,
             (Outcome::Ok, Some(errors)) => Answer::Wrong(errors),
-            _ => Answer::Without(outcome, reason.into()),
+            (outcome, _) => Answer::Without(outcome),
         }
     }
 
@@ -41,8 +40,8 @@ impl Answer {
             Answer::Right => "right",
             Answer::Defect(_) | Answer::Wrong(_) => "wrong",
             Answer::Lossy(_) => "lossy",
-            Answer::Refused(_) => "refused",
-            Answer::Without(..) => "no answer",
+            Answer::Refused => "refused",
+            Answer::Without(_) => "no answer",
         }
     }
 
@@ -50,10 +49,10 @@ impl Answer {
     fn weight(&self) -> (u8, u64) {
         match self {
             Answer::Right => (0, 0),
-            Answer::Refused(_) => (1, 0),
+            Answer::Refused => (1, 0),
             Answer::Lossy(errors) => (2, errors.wrong()),
             Answer::Wrong(errors) => (3, errors.wrong()),
-            Answer::Without(..) => (4, 0),
+            Answer::Without(_) => (4, 0),
             Answer::Defect(errors) => (5, errors.map_or(0, |errors| errors.wrong())),
         }
     }
@@ -76,31 +75,9 @@ fn said(errors: &Errors) -> String {
     some.collect::<Vec<_>>().join(" ")
 }
 
-/// Numbered reasons. Reasons that differ only in numbers, axes and detector share one number.
-#[derive(Default)]
-struct Reasons(Vec<(String, String)>);
-
-impl Reasons {
-    fn number(&mut self, detector: &str, reason: &str) -> usize {
-        let mut form: Vec<&str> = Vec::new();
-        for word in reason.split_whitespace() {
-            let bare = word.trim_matches(|c: char| !c.is_alphanumeric() && c != '-');
-            let word = if bare.parse::<f64>().is_ok() { "#" } else { word };
-            let same = word == "#" && form.last() == Some(&"#");
-            if !same && bare != detector && !["x", "y", "z"].contains(&bare) {
-                form.push(word);
-            }
-        }
-        let form = form.join(" ");
-        self.0.iter().position(|(known, _)| *known == form).unwrap_or_else(|| {
-            self.0.push((form, reason.into()));
-            self.0.len() - 1
-        }) + 1
-    }
-}
-
 pub type Case = (String, Vec<(String, AxisValue)>);
-type Answers<'a> = BTreeMap<&'a str, Answer>;
+/// Case, dimension, arithmetic and detector of an answer.
+type Place<'a> = (Case, u32, &'a str, &'a str);
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matrix {
@@ -108,8 +85,6 @@ pub struct Matrix {
     pub totals: Vec<(&'static str, Vec<u64>)>,
     pub lines: Vec<CaseLine>,
     pub right: Vec<String>,
-    /// One example of each reason; lines refer to them by number, from 1.
-    pub reasons: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -125,32 +100,30 @@ impl Matrix {
     pub fn new(cells: &[&Cell]) -> Option<Matrix> {
         let cells = judged(cells);
         let swept = label::swept(&cells);
-        let mut cases: BTreeMap<Case, BTreeMap<u32, BTreeMap<&str, Answers>>> = BTreeMap::new();
-        let mut totals: BTreeMap<&str, BTreeMap<&str, u64>> = BTreeMap::new();
+        // Of several seeds, the answer with the largest weight counts.
+        let mut answers: BTreeMap<Place<'_>, Answer> = BTreeMap::new();
+        let mut totals: BTreeMap<(&str, &str), u64> = BTreeMap::new();
         for cell in &cells {
-            let answer = Answer::new(cell);
-            *totals.entry(&cell.id.arithmetic).or_default().entry(answer.word()).or_default() += 1;
-            let dims = cases.entry(case(&cell.id, &swept)).or_default();
-            let answers =
-                dims.entry(cell.id.dim).or_default().entry(&cell.id.arithmetic).or_default();
-            let known = answers.entry(&cell.id.detector).or_insert(Answer::Right);
+            let (id, answer) = (&cell.id, Answer::new(cell));
+            *totals.entry((&id.arithmetic, answer.word())).or_default() += 1;
+            let place = (case(id, &swept), id.dim, &*id.arithmetic, &*id.detector);
+            let known = answers.entry(place).or_insert(Answer::Right);
             if answer.weight() > known.weight() {
                 *known = answer;
             }
         }
-        let mut arithmetics: Vec<&str> = totals.keys().copied().collect();
-        arithmetics
-            .sort_by_key(|name| Arithmetic::ALL.iter().position(|known| known.name() == *name));
-        let every: BTreeSet<u32> = cells.iter().map(|cell| cell.id.dim).collect();
-        let (mut reasons, mut lines, mut right) = (Reasons::default(), Vec::new(), Vec::new());
-        for ((case, _), dims) in &cases {
-            for line in case_lines(case, dims, &arithmetics, &mut reasons) {
-                let is_right = |answer: &Option<Vec<String>>| {
-                    answer.as_ref().is_some_and(|answer| *answer == ["right"])
-                };
-                if !line.answers.iter().all(is_right) {
+        let all: BTreeSet<&str> = totals.keys().map(|(name, _)| *name).collect();
+        let mut arithmetics = Vec::from_iter(all);
+        let place = |name: &str| Arithmetic::ALL.iter().position(|it| it.name() == name);
+        arithmetics.sort_by_key(|name| place(name));
+        let dims = cells.iter().map(|cell| cell.id.dim).collect::<BTreeSet<_>>().len();
+        let (mut lines, mut right) = (Vec::new(), Vec::new());
+        let answers = Vec::from_iter(&answers);
+        for own in answers.chunk_by(|a, b| a.0.0 == b.0.0) {
+            for line in case_lines(own, &arithmetics) {
+                if !line.answers.iter().all(|answer| *answer == Some(vec!["right".into()])) {
                     lines.push(line);
-                } else if line.dims.len() == every.len() {
+                } else if line.dims.len() == dims {
                     right.push(line.case);
                 } else {
                     right.push(format!("{} ({})", line.case, line.shown_dims(", ")));
@@ -158,8 +131,8 @@ impl Matrix {
             }
         }
         let total = |word: &'static str| {
-            let counts = arithmetics.iter().map(|name| totals[name].get(word).copied());
-            let counts: Vec<u64> = counts.map(Option::unwrap_or_default).collect();
+            let count = |name: &&str| totals.get(&(*name, word)).copied().unwrap_or(0);
+            let counts: Vec<u64> = arithmetics.iter().map(count).collect();
             counts.iter().any(|count| *count > 0).then_some((word, counts))
         };
         (!cells.is_empty()).then(|| Matrix {
@@ -167,7 +140,6 @@ impl Matrix {
             totals: WORDS.into_iter().filter_map(total).collect(),
             lines,
             right,
-            reasons: reasons.0.into_iter().map(|(_, reason)| reason).collect(),
         })
     }
 }
@@ -178,21 +150,20 @@ impl CaseLine {
     }
 }
 
-fn case_lines(
-    case: &str,
-    dims: &BTreeMap<u32, BTreeMap<&str, Answers>>,
-    arithmetics: &[&str],
-    reasons: &mut Reasons,
-) -> Vec<CaseLine> {
+/// Returns a line for each dimension; dimensions with equal answers share one.
+fn case_lines(own: &[(&Place<'_>, &Answer)], arithmetics: &[&str]) -> Vec<CaseLine> {
     let mut found: Vec<CaseLine> = Vec::new();
-    for (dim, columns) in dims {
-        let answers: Vec<Option<Vec<String>>> = arithmetics
-            .iter()
-            .map(|name| columns.get(name).map(|answers| who(answers, reasons)))
-            .collect();
+    for own in own.chunk_by(|a, b| a.0.1 == b.0.1) {
+        let ((case, _), dim) = (&own[0].0.0, own[0].0.1);
+        let mut answers = Vec::new();
+        for name in arithmetics {
+            let of: Vec<_> = own.iter().filter(|(place, _)| place.2 == *name).collect();
+            let of = of.iter().map(|(place, answer)| (place.3, *answer)).collect::<Vec<_>>();
+            answers.push((!of.is_empty()).then(|| who(&of)));
+        }
         match found.iter_mut().find(|known| known.answers == answers) {
-            Some(known) => known.dims.push(*dim),
-            None => found.push(CaseLine { case: case.into(), dims: vec![*dim], answers }),
+            Some(known) => known.dims.push(dim),
+            None => found.push(CaseLine { case: case.clone(), dims: vec![dim], answers }),
         }
     }
     found
@@ -213,11 +184,11 @@ pub fn case(key: &CellId, swept: &[String]) -> Case {
 }
 
 /// Returns `right`, or detectors with their errors, such as `nbs, sorting: -3 +1` and `all but
-/// direct: refused (1)`. An entry without names means all detectors.
-fn who(answers: &Answers, reasons: &mut Reasons) -> Vec<String> {
-    let all: Vec<&str> = answers.keys().copied().collect();
+/// direct: refused`. An entry without names means all detectors.
+fn who(answers: &[(&str, &Answer)]) -> Vec<String> {
+    let all: Vec<&str> = answers.iter().map(|(name, _)| *name).collect();
     let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
-    for (&detector, answer) in answers {
+    for (detector, answer) in answers {
         let words = match answer {
             Answer::Right => continue,
             Answer::Defect(Some(errors)) if errors.wrong() > 0 => {
@@ -228,13 +199,9 @@ fn who(answers: &Answers, reasons: &mut Reasons) -> Vec<String> {
             Answer::Wrong(errors) => said(errors),
             // A pair that the filter lost need not touch in exact arithmetic.
             Answer::Lossy(errors) => format!("lossy {}", said(errors)).trim_end().into(),
-            Answer::Refused(reason) => format!("refused ({})", reasons.number(detector, reason)),
-            Answer::Without(outcome, reason) if outcome.is_good() || reason.is_empty() => {
-                "not compared".into()
-            }
-            Answer::Without(outcome, reason) => {
-                format!("{} ({})", outcome.name(), reasons.number(detector, reason))
-            }
+            Answer::Refused => "refused".into(),
+            Answer::Without(outcome) if outcome.is_good() => "not compared".into(),
+            Answer::Without(outcome) => outcome.name().into(),
         };
         match groups.iter_mut().find(|(known, _)| *known == words) {
             Some((_, names)) => names.push(detector),
@@ -314,7 +281,7 @@ mod tests {
     fn a_cell_names_who_is_not_right_and_how() {
         let matrix = matrix(&lab());
         assert_eq!(matrix.arithmetics, ["f32", "textbook", "exact"]);
-        let refused = "nbs, sorting: refused (1)";
+        let refused = "nbs, sorting: refused";
         assert_eq!(
             lines(&matrix),
             [
@@ -323,7 +290,6 @@ mod tests {
             ]
         );
         assert_eq!(matrix.right, ["calm"]);
-        assert_eq!(matrix.reasons, ["nbs would need 5.2e11 cells; use direct"]);
         let totals = [
             ("right", vec![8, 9, 11]),
             ("wrong", vec![3, 0, 0]),
@@ -341,19 +307,5 @@ mod tests {
         let found = matrix(&lab);
         assert_eq!(found.right, ["calm (3D)"]);
         assert_eq!(lines(&found)[0], "calm 2D: right | right | nbs: DEFECT");
-    }
-
-    #[test]
-    fn reasons_of_one_kind_are_one() {
-        let mut reasons = Reasons::default();
-        for (detector, reason, number) in [
-            ("nbs", "nbs needs 80 bytes (82 particles, 2002 x 17 cells)", 1),
-            ("screening", "screening needs 9e14 bytes (7 particles, 20 x 20 x 1 cells)", 1),
-            ("nbs", "particle 3: y is NaN; mend it", 2),
-            ("nbs", "particle 0: x is -inf; mend it", 2),
-            ("nbs", "particle 0: the radius is -3; mend it", 3),
-        ] {
-            assert_eq!(reasons.number(detector, reason), number, "{reason}");
-        }
     }
 }

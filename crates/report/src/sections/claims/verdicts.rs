@@ -15,11 +15,11 @@ pub fn blocks(found: &Matrix) -> Vec<Block> {
     .emphasis("lossy")
     .plain(" (a textbook filter lost contacts), ")
     .emphasis("refused")
-    .plain(" (the reason is given below, one example of its kind), ")
+    .plain(", ")
     .emphasis("DEFECT")
     .plain(
         " (not the answer of the detector's own arithmetic). Detectors that are not named are \
-         right. Every answer is in ",
+         right. Every answer, and each reason, is in ",
     )
     .code("verdicts.csv")
     .plain(".");
@@ -32,8 +32,7 @@ pub fn blocks(found: &Matrix) -> Vec<Block> {
 }
 
 pub fn terminal(found: &Matrix) -> Vec<Block> {
-    let legend = "-: pairs missed, +: pairs added; in brackets: the reason below, one example of \
-                  its kind";
+    let legend = "-: pairs missed, +: pairs added";
     let mut table = lines(found);
     table.rows.extend(totals(found).rows.into_iter().map(|mut row| {
         row.insert(1, "".into());
@@ -67,8 +66,6 @@ fn rest(found: &Matrix) -> Vec<Block> {
             found.right.join(", ")
         )));
     }
-    let reasons = found.reasons.iter().enumerate();
-    out.extend(reasons.map(|(k, reason)| Block::paragraph(format!("({}) {reason}", k + 1))));
     out
 }
 
@@ -105,7 +102,7 @@ mod tests {
         let found = lab().find(Matrix::new).unwrap();
         let (report, terminal) = (markdown(&blocks(&found)), plain(&terminal(&found), 110));
         assert!(terminal.lines().all(|line| line.chars().count() <= 110), "{terminal}");
-        for part in ["Right by every detector", "1 case: calm", "(1)", "nbs would need"] {
+        for part in ["Right by every detector", "1 case: calm", "refused"] {
             assert!(report.contains(part) && terminal.contains(part), "{part}: {report}{terminal}");
         }
         let line = "| tangent | 2D | -3 | nbs, sorting: lossy -2 | right |";
