@@ -1,5 +1,5 @@
-//! Tests docs/PROTOCOL.md: its transcript is replayed line by line, it shows every request and
-//! reply, and its digests are right.
+//! Tests docs/PROTOCOL.md: its transcript is replayed line by line and has every request and reply,
+//! and its digests are right.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
@@ -11,10 +11,14 @@ use serde_json::Value;
 use crate::common::{Place, npy, pairs, program};
 
 const PAGE: &str = include_str!("../../../docs/PROTOCOL.md");
+const TRANSCRIPT: &str = include_str!("../../../examples/transcript.txt");
 
-/// Returns the fenced block of the page whose opening line ends with `info`.
+/// Returns the fenced block of the page or the transcript whose opening line ends with `info`.
 fn block(info: &str) -> Vec<&'static str> {
-    let mut lines = PAGE.lines().skip_while(|line| *line != format!("```text {info}"));
+    let mut lines = PAGE
+        .lines()
+        .chain(TRANSCRIPT.lines())
+        .skip_while(|line| *line != format!("```text {info}"));
     assert!(lines.next().is_some(), "the page has no block '{info}'");
     lines.take_while(|line| *line != "```").collect()
 }

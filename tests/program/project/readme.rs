@@ -49,20 +49,6 @@ fn the_commands_work_as_written() {
     }
 }
 
-#[test]
-fn the_output_of_readme_is_that_of_the_record() {
-    let at = Place::new();
-    let record = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reference/standard");
-    let copied = std::process::Command::new("cp").arg("-r").args([&record, at.root()]).status();
-    assert!(copied.unwrap().success());
-    let words = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
-    let printed: Vec<String> = at.good("report standard").stdout.lines().map(words).collect();
-    let shown = &blocks(README, "text")[0];
-    for line in shown.lines().map(words) {
-        assert!(printed.iter().any(|it| it.starts_with(&line)), "README shows '{line}'");
-    }
-}
-
 /// Returns the anchors of the headings of a page, as GitHub makes them.
 fn anchors(page: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(page).unwrap();
