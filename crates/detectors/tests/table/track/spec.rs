@@ -8,7 +8,7 @@ fn the_normal_form_parses_to_itself() {
         ("verlet(nbs)", "verlet(nbs,rule=top-two,skin=0.1)"),
         ("verlet(nbs,skin=auto)", "verlet(nbs,rule=top-two,skin=auto)"),
         ("verlet(nbs,skin=-0)", "verlet(nbs,rule=top-two,skin=0)"),
-        ("every-step( nbs:levels=none )", "every-step(nbs)"),
+        ("every-step( hgrid:ratio=2 )", "every-step(hgrid)"),
         (
             " verlet( rule = every-5 , streamed-nbs:form=dense, level=portable,skin =1e-3)",
             "verlet(streamed-nbs:form=dense,level=portable,rule=every-5,skin=0.001)",
