@@ -15,12 +15,6 @@ pub struct Moved {
     pub born: u64,
     /// Contacts that the next frame lacks, summed over the frames.
     pub ended: u64,
-    /// Pairs that touch between two frames but in neither of them, if particles move in straight
-    /// lines. Exact for the given coordinates; in a periodic box, images are rounded to f64.
-    pub tunnelled: u64,
-    /// Reason why `tunnelled` leaves out some steps, if it does.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub uncounted: Option<String>,
     /// Displacements from frame to frame.
     #[serde(rename = "way")]
     pub displacements: Displacements,

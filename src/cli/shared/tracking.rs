@@ -28,7 +28,7 @@ fn mean(tracked: &Tracked, particles: u64) -> Option<f64> {
 
 /// Describes a motion from frame to frame; empty for a single frame.
 pub fn motion(moved: &Moved, check: Check) -> String {
-    let Moved { frames, contacts, born, ended, tunnelled, uncounted, displacements, .. } = moved;
+    let Moved { frames, contacts, born, ended, displacements, .. } = moved;
     if moved.steps() == 0 {
         return String::new();
     }
@@ -40,10 +40,10 @@ pub fn motion(moved: &Moved, check: Check) -> String {
     if displacements.at_rest > 0 {
         said += &format!("; {} stay in place", percent(moved.share_at_rest()));
     }
-    let (whose, sampled) = match check {
+    let whose = match check {
         Check::None => return said + ".",
-        Check::All => ("A frame has".to_string(), ""),
-        Check::Sample(count) => (format!("The {count} sampled particles have"), "sampled "),
+        Check::All => "A frame has".to_string(),
+        Check::Sample(count) => format!("The {count} sampled particles have"),
     };
     said += &format!(
         ". {whose} {} contacts; {} are new and {} end with it.",
@@ -51,16 +51,6 @@ pub fn motion(moved: &Moved, check: Check) -> String {
         number(*born as f64 / moved.steps() as f64),
         number(*ended as f64 / moved.steps() as f64),
     );
-    said += &match (uncounted, tunnelled) {
-        (Some(why), _) => format!(" Contacts between two frames were not counted: {why}"),
-        (None, 0) => format!(" No {sampled}pair touches only between two frames."),
-        (None, _) => format!(
-            " {} more {sampled}pairs touch only between two frames: {} missed by the time step, \
-             not by a list.",
-            number(*tunnelled as f64 / moved.steps() as f64),
-            plural(*tunnelled as usize, "contact"),
-        ),
-    };
     said
 }
 
@@ -223,16 +213,13 @@ pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
 
 pub fn moved_as_json(moved: &Moved, check: Check) -> Value {
     let known = |count: &u64| (check != Check::None).then_some(*count);
-    let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, displacements } =
-        moved;
+    let Moved { particles, frames, contacts, born, ended, displacements } = moved;
     json!({
         "particles": particles,
         "frames": frames,
         "contacts": known(contacts),
         "born": known(born),
         "ended": known(ended),
-        "tunnelled": known(tunnelled),
-        "uncounted": uncounted,
         "mean_way": moved.mean_way(),
         "longest_way": displacements.longest,
         "at_rest": displacements.at_rest,

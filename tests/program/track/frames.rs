@@ -89,7 +89,7 @@ fn trackers_follow_the_frames_of_a_file() {
     places.for_each(|x| bytes.extend(x.to_le_bytes()));
     at.file("t.npy", &bytes);
     let array = at.json(&format!("track t.npy --radius 1 {trackers}"));
-    for key in ["contacts", "born", "ended", "at_rest", "tunnelled", "longest_way"] {
+    for key in ["contacts", "born", "ended", "at_rest", "longest_way"] {
         assert_eq!(array[key], found[key], "{key}");
     }
     for (one, other) in [(0, "missed"), (0, "latest"), (1, "built")] {
@@ -98,7 +98,7 @@ fn trackers_follow_the_frames_of_a_file() {
     // `inspect` describes the same motion as `track`.
     let inspected = at.json("inspect t.dump --frame all");
     assert_eq!([&inspected["frames"], &inspected["frame"]], [12, 11]);
-    for key in ["particles", "contacts", "born", "ended", "tunnelled", "mean_way", "longest_way"] {
+    for key in ["particles", "contacts", "born", "ended", "mean_way", "longest_way"] {
         assert_eq!(inspected["motion"][key], found[key], "{key}");
     }
     at.ends(0, "inspect t.dump --frame all", &["12 frames of 40 particles", "35%"]);

@@ -51,7 +51,7 @@ fn experiments_find_of_a_course_what_track_finds() {
     for line in at.read("out/samples.jsonl").lines() {
         let row: Value = serde_json::from_str(line).unwrap();
         let (course, rule) = (&row["course"], &row["detector_params"]["rule"]);
-        for key in ["particles", "frames", "contacts", "born", "ended", "tunnelled"] {
+        for key in ["particles", "frames", "contacts", "born", "ended"] {
             assert_eq!(row["moved"][key], found[key], "{key}: {row}");
         }
         let expected = match rule.as_str() {

@@ -33,8 +33,6 @@
 //! vectors. The exact test adds the shift as further terms of the difference and never rounds a
 //! shifted centre: [`image`]. Detectors work on rounded positions with a [`Slack`] that covers the
 //! rounding: [`Imaged`], made by [`contactbench_lists::periodic`].
-//!
-//! **Steps.** [`swept`] decides exactly whether two moving particles touch between two frames.
 
 pub mod bodies;
 pub mod depth;
@@ -43,7 +41,6 @@ pub mod image;
 pub mod rule;
 pub mod slack;
 mod stored;
-pub mod swept;
 
 pub use bodies::{
     AnyBodies, Bodies, Corners, Decided, Imaged, SceneBodies, WithBodies, any_bodies, with_bodies,

@@ -29,8 +29,6 @@ pub struct Motion {
     pub longest_way: Option<f64>,
     pub contacts: Option<f64>,
     pub born: Option<f64>,
-    /// Mean number per frame of pairs that touch only between two frames.
-    pub tunnelled: Option<f64>,
 }
 
 impl<'a> Courses<'a> {
@@ -68,7 +66,6 @@ impl<'a> Courses<'a> {
                     longest_way: value("longest_way"),
                     contacts: value("true_contacts").map(|all| all / frames),
                     born: value("born").map(|all| all / steps),
-                    tunnelled: value("tunnelled").map(|all| all / steps),
                 },
                 done: names.iter().map(|name| done.get(name).copied().filter(judged)).collect(),
             }

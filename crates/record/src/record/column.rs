@@ -53,13 +53,12 @@ const ERRORS: [(&str, &str, Which); 7] = [
 
 type Named<T> = (&'static str, &'static str, fn(&T) -> Option<f64>);
 
-const MOVED: [Named<Moved>; 6] = [
+const MOVED: [Named<Moved>; 5] = [
     ("mean_way", "diameters", |it| Some(it.mean_way())),
     ("longest_way", "diameters", |it| Some(it.displacements.longest)),
     ("born", "pairs", |it| Some(it.born as f64)),
     ("ended", "pairs", |it| Some(it.ended as f64)),
     ("at_rest", "", |it| Some(it.share_at_rest())),
-    ("tunnelled", "pairs", |it| it.uncounted.is_none().then_some(it.tunnelled as f64)),
 ];
 
 fn columns() -> Vec<Column> {

@@ -80,8 +80,7 @@ fn motions(found: &Courses) -> Block {
         .unit("mean step", "diameters", |course| course.motion.mean_way)
         .unit("longest", "diameters", |course| course.motion.longest_way)
         .right("contacts in a frame", |course| course.motion.contacts)
-        .right("new", |course| course.motion.born)
-        .right("only between frames", |course| course.motion.tunnelled);
+        .right("new", |course| course.motion.born);
     Block::table(table)
 }
 

@@ -8,7 +8,6 @@ mod late;
 mod names;
 mod recorded;
 mod survey;
-mod through;
 
 use std::time::{Duration, Instant};
 
@@ -141,7 +140,7 @@ pub fn follow(
             (_, Some(chosen)) => truth::touching(&frame, arithmetic, chosen, memory_limit)?,
             _ => truth::truth(&frame, arithmetic, memory_limit)?.pairs,
         };
-        survey.take(&in_any_box(&given)?, &truth, chosen, memory_limit);
+        survey.take(&in_any_box(&given)?, &truth);
         let going = followers.iter_mut().filter(|follower| follower.tracked.refused.is_none());
         going.for_each(|follower| {
             if let Err(why) = follower.step(k, &frame, question, &survey.names, (chosen, &truth)) {

@@ -8,6 +8,7 @@
 
 use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_ground::scene::{AnyScene, Lattice};
+use contactbench_lists::track::distance_bound;
 use contactbench_scenes::touching::particle;
 
 /// A matrix of whole numbers, with one row for each box vector.
@@ -91,17 +92,19 @@ impl Onward {
         Some(Onward { by, turned, back })
     }
 
-    /// Returns the image that a contact of the earlier frame has in the later frame.
-    pub fn called(&self, ImagePair { i, j, image }: ImagePair) -> [i32; 3] {
-        let [of_i, of_j] = [i, j].map(|k| self.by[k as usize]);
-        add(times(image, &self.back), add(of_j, of_i.map(i32::wrapping_neg)))
-    }
-
-    /// Returns the earlier box vectors after their motion, as sums of vectors of the later box
-    /// `to`; 0 along open axes.
-    pub fn vectors(&self, to: &Lattice) -> [[f64; 3]; 3] {
-        let vectors = repeating(to);
-        self.back.map(|row| sum(row, &vectors))
+    /// Returns the displacement of each particle to its nearest image, rounded up, and the number of
+    /// particles that did not move.
+    pub fn displacements(&self, last: &Periodic<'_>, frame: &Periodic<'_>) -> (Vec<f64>, usize) {
+        let vectors = repeating(frame.lattice());
+        let (from, to) = (centres(last.scene()), centres(frame.scene()));
+        let mut at_rest = 0;
+        let all = from.iter().zip(to).zip(&self.by).map(|((from, to), &by)| {
+            let shift = sum(by, &vectors);
+            let to: [f64; 3] = std::array::from_fn(|k| to[k] + shift[k]);
+            at_rest += usize::from(*from == to);
+            if *from == to { 0.0 } else { distance_bound(from, &to) }
+        });
+        (all.collect(), at_rest)
     }
 }
 

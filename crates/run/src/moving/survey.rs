@@ -1,5 +1,4 @@
 use super::names::Names;
-use super::through::Through;
 use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_terms::moved::Moved;
 
@@ -12,14 +11,8 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Adds a frame, with its contacts in ascending order: all, or those of the chosen particles.
-    pub fn take(
-        &mut self,
-        frame: &Periodic<'static>,
-        contacts: &[ImagePair],
-        chosen: Option<&[bool]>,
-        memory_limit: u64,
-    ) {
+    /// Adds a frame, with its contacts in ascending order: all, or those of some particles.
+    pub fn take(&mut self, frame: &Periodic<'static>, contacts: &[ImagePair]) {
         let step = self.names.next(frame);
         let mut named: Vec<_> = contacts.iter().map(|&pair| self.names.name(pair)).collect();
         named.sort_unstable();
@@ -32,23 +25,13 @@ impl Survey {
         let stay = common(&before, &self.last);
         moved.born += self.last.len() as u64 - stay;
         moved.ended += before.len() as u64 - stay;
-        let through = Through::new(&last, frame, &onward);
-        let (displacements, at_rest) = through.displacements();
+        let (displacements, at_rest) = onward.displacements(&last, frame);
         let diameter = 2.0 * frame.scene().largest_radius();
         moved.displacements.at_rest += at_rest as u64;
         if diameter > 0.0 {
             let longest = displacements.iter().fold(0.0f64, |most, &step| most.max(step));
             moved.displacements.sum += displacements.iter().sum::<f64>() / diameter;
             moved.displacements.longest = moved.displacements.longest.max(longest / diameter);
-        }
-        let some = chosen.is_none_or(|chosen| chosen.contains(&true));
-        if some && (at_rest < displacements.len() || through.changes()) {
-            match through.tunnelled(&displacements, chosen, memory_limit) {
-                Ok(tunnelled) => moved.tunnelled += tunnelled,
-                Err(why) => {
-                    moved.uncounted.get_or_insert(why);
-                }
-            }
         }
     }
 }
@@ -71,27 +54,22 @@ mod tests {
     use contactbench_scenes::touching::in_open_space;
 
     #[test]
-    fn contacts_begin_end_and_lie_between_frames() {
+    fn contacts_begin_and_end() {
         let mut survey = Survey::default();
         let mut take = |places: [f64; 4], pairs: &[[u32; 2]]| {
             let scene = AnyScene::at(places.map(|x| [x, 0.0]), 1.0).unwrap();
             let contacts: Vec<ImagePair> = without_shift(pairs).collect();
-            survey.take(&in_open_space(&scene).unwrap(), &contacts, None, 1 << 20);
+            survey.take(&in_open_space(&scene).unwrap(), &contacts);
             survey.moved.clone()
         };
         let moved = take([0.0, 2.0, 5.0, 20.0], &[[0, 1]]);
         assert_eq!((moved.frames, moved.contacts, moved.born, moved.steps()), (1, 1, 0, 0));
         let moved = take([0.0, 2.5, 4.5, 20.0], &[[1, 2]]);
-        assert_eq!([moved.born, moved.ended, moved.tunnelled], [1, 1, 0]);
+        assert_eq!([moved.born, moved.ended], [1, 1]);
         assert_eq!((moved.displacements.at_rest, moved.steps()), (2, 1));
         assert!((moved.displacements.longest - 0.25).abs() < 1e-12, "of a diameter of 2");
         assert!((moved.mean_way() - 0.125).abs() < 1e-12);
-        // The last disc passes through the third and the second, and stops at the first.
         let moved = take([0.0, 2.5, 4.5, -1.5], &[[0, 3], [1, 2]]);
-        assert_eq!([moved.born, moved.ended, moved.tunnelled], [2, 1, 2]);
-        assert_eq!(moved.uncounted, None);
-        take([0.0, 2.5, 4.5, 1.7e308], &[]);
-        let moved = take([0.0, 2.5, 4.5, -1.7e308], &[]);
-        assert!(moved.uncounted.is_some() && moved.frames == 5, "{moved:?}");
+        assert_eq!([moved.born, moved.ended], [2, 1]);
     }
 }

@@ -185,7 +185,7 @@ impl<'a> Judge<'a> {
         let found = judge.right(Arithmetic::Exact, |given, truths| {
             let truth = truths.own.contacts.sorted(given.scene.len(), u64::MAX);
             let truth = truth.map_err(NoTruth::from)?;
-            survey.take(&in_any_box(given)?, &truth, None, memory_limit);
+            survey.take(&in_any_box(given)?, &truth);
             Ok(())
         });
         let moved = match found.map_err(Unjudged::nothing) {

@@ -24,7 +24,7 @@ fn full() -> Row {
         rounds_ns: vec![1, 2],
         processor: Some(1),
         course: Some(Course { worst_missed: 3, ..course }),
-        moved: Some(Moved { frames: 2, uncounted: Some("far".into()), ..Moved::default() }),
+        moved: Some(Moved { frames: 2, ..Moved::default() }),
         ..Row::default()
     };
     row.id = row.id.with_threads(2).with_subject("streamed-nbs:level=avx2");
