@@ -88,7 +88,7 @@ fn every_key_is_on_the_page_and_no_other() {
 #[test]
 fn the_examples_can_be_read_and_planned() {
     let all = examples(PAGE);
-    assert!(all.len() > 12, "{}", all.len());
+    assert!(all.len() > 10, "{}", all.len());
     for example in all {
         if let Err(error) = parse(&completed(example)) {
             panic!("{error:#}\n{example}");
