@@ -10,7 +10,6 @@ use anyhow::{Context, ensure};
 use crate::cli::measuring::report;
 use crate::cli::shared::terminal;
 use contactbench_detectors::table;
-use contactbench_record::record::origin::provenance;
 use contactbench_record::record::row;
 use contactbench_report::site::{self, About, Given};
 use contactbench_terms::number::plural;
@@ -36,8 +35,7 @@ pub fn site(options: &Site) -> anyhow::Result<ExitCode> {
         folder.display(),
         row::FILE
     );
-    let today = provenance::date();
-    let (pages, notes) = site::write(out, &given, today.get(..10).unwrap_or_default(), &about)?;
+    let (pages, notes) = site::write(out, &given, &about)?;
     for note in notes {
         say!("{note}");
     }

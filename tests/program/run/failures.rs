@@ -166,7 +166,7 @@ fn who_is_wrong_comes_first_and_once() {
     let runner = runner("fake", "sh", &script);
     at.file("t.toml", format!("{HEAD}detectors = [\"nbs\"]\n{scene}{claim}{runner}"));
     let line = "run t.toml --out out --junit junit.xml --annotations";
-    let ended = at.ends(1, line, &["The claim holds"]);
+    let ended = at.ends(1, line, &["1 of 1 claims hold"]);
     assert!(ended.stdout.starts_with("WRONG: fake in 2 "), "{}", ended.stdout);
     let said = |text: &str| text.lines().filter(|line| line.starts_with("WRONG")).count();
     assert_eq!((said(&ended.stdout), said(&ended.stderr)), (1, 1), "{}", ended.stderr);

@@ -2,9 +2,9 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -19,7 +19,8 @@ pub struct Browser {
     driver: Child,
     port: u16,
     session: String,
-    folder: tempfile::TempDir,
+    /// Deleted at the end.
+    _folder: tempfile::TempDir,
 }
 
 impl Browser {
@@ -50,22 +51,15 @@ impl Browser {
         let mut options: Vec<String> = OPTIONS.split(' ').map(String::from).collect();
         options.push(format!("--window-size={width},{height}"));
         options.push(format!("--user-data-dir={}", folder.path().join("profile").display()));
-        let mut browser = Browser { driver, port, session: String::new(), folder };
+        let mut browser = Browser { driver, port, session: String::new(), _folder: folder };
         let wanted = json!({"capabilities": {"alwaysMatch": {
             "browserName": "chrome",
             "goog:loggingPrefs": {"browser": "ALL"},
-            "goog:chromeOptions": {"binary": path, "args": options, "prefs": {
-                "download.default_directory": browser.downloads(),
-                "download.prompt_for_download": false,
-            }},
+            "goog:chromeOptions": {"binary": path, "args": options},
         }}});
         let opened = browser.send("POST", "/session", &wanted);
         browser.session = opened["sessionId"].as_str().expect("a session").to_string();
         Some(browser)
-    }
-
-    fn downloads(&self) -> PathBuf {
-        self.folder.path().join("downloads")
     }
 
     fn send(&self, method: &str, path: &str, body: &Value) -> Value {
@@ -132,39 +126,10 @@ impl Browser {
         self.act(css, "value", json!({"text": text}));
     }
 
-    pub fn choose(&self, select: &str, text: &str) {
-        let k: i32 = self.get(&format!(
-            "return [...document.querySelector({select:?}).options].findIndex((o) => o.text === \
-             {text:?})"
-        ));
-        assert_ne!(k, -1, "{select} has no option {text}");
-        self.click(&format!("{select} option:nth-child({})", k + 1));
-    }
-
-    pub fn devtools(&self, command: &str, parameters: Value) {
-        self.post("/goog/cdp/execute", json!({"cmd": command, "params": parameters}));
-    }
-
-    pub fn phone(&self) {
-        let size = json!({"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": true});
-        self.devtools("Emulation.setDeviceMetricsOverride", size);
-    }
-
     /// Returns the lines of the console: warnings, errors, refused requests.
     pub fn log(&self) -> Vec<String> {
         let entries = self.post("/se/log", json!({"type": "browser"}));
         entries.as_array().unwrap().iter().map(|entry| entry.to_string()).collect()
-    }
-
-    pub fn downloaded(&self, name: &str) -> String {
-        let (path, begun) = (self.downloads().join(name), Instant::now());
-        while begun.elapsed() < Duration::from_secs(20) {
-            match std::fs::read_to_string(&path) {
-                Ok(text) if !text.is_empty() => return text,
-                _ => std::thread::sleep(Duration::from_millis(50)),
-            }
-        }
-        panic!("{name} was not downloaded");
     }
 }
 

@@ -2,7 +2,6 @@
 
 mod boxes;
 mod browser;
-mod layout;
 mod page;
 mod pages;
 mod pictures;

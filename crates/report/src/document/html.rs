@@ -20,7 +20,7 @@ fn block_text(block: &Block) -> String {
             format!("<ul>\n{items}</ul>\n")
         }
         Block::Code(text) => format!("<pre tabindex=\"0\">{}</pre>\n", escape(text)),
-        Block::Table(table) => table.html(),
+        Block::Table(table) => table.html(""),
         Block::Figure { title, .. } => format!("<p>{}</p>\n", escape(title)),
     }
 }

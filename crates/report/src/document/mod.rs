@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 pub use html::{html, words as inline_html};
 pub use markdown::{escaped, markdown};
-pub use plain::{indented, plain};
+pub use plain::{indented, plain, words};
 
 use crate::table::Table;
 

@@ -33,6 +33,7 @@ pub fn indented(head: &str, text: &str, width: usize) -> String {
     out
 }
 
-fn words(text: &Text) -> String {
+/// Returns the words without their style.
+pub fn words(text: &Text) -> String {
     text.written([[""; 2]; 3], |_, text| text.into())
 }

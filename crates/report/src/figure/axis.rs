@@ -1,5 +1,8 @@
 //! Axes: ranges, ticks and their labels.
 
+use plotters::coord::ranged1d::{BoldPoints, Ranged};
+use plotters::coord::types::RangedCoordf64;
+
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     log: bool,
@@ -26,7 +29,7 @@ impl Axis {
         if log {
             // At least two labels must fit.
             let decades = (high / low).log10();
-            let room = (0.04 * decades).max(0.06).max(0.3 - decades / 2.0);
+            let room = (0.04 * decades).max(0.06).max(0.25 - decades / 2.0);
             return Axis { log, low: low * 10f64.powf(-room), high: high * 10f64.powf(room) };
         }
         // A linear axis includes zero, unless the smallest value is above 0.6 times the largest.
@@ -58,46 +61,24 @@ impl Axis {
     pub fn ticks(&self, length: f64, room: f64) -> Vec<Tick> {
         let most = (length / room.max(1.0)).floor().max(2.0);
         if !self.log {
-            return self.linear(most);
+            let range = RangedCoordf64::from(self.low..self.high);
+            let values = range.key_points(BoldPoints(most as usize));
+            return values.into_iter().map(|value| (value, Some(plain(value)))).collect();
         }
-        let (first, last) = (self.low.log10().ceil() as i32, self.high.log10().floor() as i32);
         let decades = (self.high / self.low).log10();
-        if decades < 1.5 {
-            let mut ticks = Vec::new();
-            for power in first - 1..=last {
-                for digit in 1..10 {
-                    // The text is parsed, because 10^-k times a digit may be off by an ulp.
-                    let value: f64 = format!("{digit}e{power}").parse().unwrap_or(f64::NAN);
-                    if value >= self.low && value <= self.high {
-                        ticks.push((value, matches!(digit, 1 | 2 | 5).then(|| plain(value))));
-                    }
-                }
-            }
-            if ticks.iter().filter(|tick| tick.1.is_some()).count() < 2 {
-                ticks.iter_mut().step_by(2).for_each(|tick| tick.1 = Some(plain(tick.0)));
-            }
-            return ticks;
-        }
-        let step = (decades / most).ceil().max(1.0) as i32;
-        (first..=last)
-            .map(|power| {
-                (10f64.powi(power), (power.rem_euclid(step) == 0).then(|| power_of_ten(power)))
-            })
-            .collect()
-    }
-
-    fn linear(&self, most: f64) -> Vec<Tick> {
-        let rough = (self.high - self.low) / most;
-        let scale = 10f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0]
-            .into_iter()
-            .map(|k| k * scale)
-            .find(|step| *step >= rough)
-            .unwrap_or(rough);
-        let (first, last) = ((self.low / step).ceil(), (self.high / step + 1e-9).floor());
-        (0..=(last - first).clamp(0.0, 50.0) as i32)
-            .map(|k| (first + f64::from(k)) * step)
-            .map(|v| (v, Some(plain(v))))
+        let (digits, step) = match decades {
+            ..0.8 => (&[1, 2, 3, 5, 7][..], 1),
+            ..1.5 => (&[1, 2, 5][..], 1),
+            _ => (&[1][..], (decades / most).ceil() as i32),
+        };
+        let (first, last) = (self.low.log10().floor() as i32, self.high.log10().floor() as i32);
+        // The text is parsed, because 10^-k times a digit may be off by an ulp.
+        let value = |power, digit| format!("{digit}e{power}").parse().unwrap_or(f64::NAN);
+        let powers = (first..=last).flat_map(|power| digits.iter().map(move |it| (power, *it)));
+        powers
+            .map(|(power, digit)| (value(power, digit), power))
+            .filter(|(value, _)| (self.low..=self.high).contains(value))
+            .map(|(value, power)| (value, (power.rem_euclid(step) == 0).then(|| plain(value))))
             .collect()
     }
 }
@@ -147,11 +128,11 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_few() {
-        assert_eq!(labels([100.0, 1e5], true, 300.0), ["10²", "10³", "10⁴", "10⁵"]);
-        assert_eq!(labels([1e-3, 1e12], true, 200.0), ["1", "10⁴", "10⁸", "10¹²"]);
+        assert_eq!(labels([100.0, 1e5], true, 300.0), ["100", "1000", "10000", "100000"]);
+        assert_eq!(labels([1e-3, 1e12], true, 200.0), ["1", "10000", "10⁸", "10¹²"]);
         assert_eq!(labels([2.0, 30.0], true, 300.0), ["2", "5", "10", "20"]);
         assert_eq!(labels([0.0, 10.0], false, 300.0), ["0", "2", "4", "6", "8", "10"]);
-        assert_eq!(labels([2e6, 9e6], true, 300.0), ["2·10⁶", "5·10⁶", "10⁷"]);
+        assert_eq!(labels([2e6, 9e6], true, 300.0), ["2·10⁶", "3·10⁶", "5·10⁶", "7·10⁶", "10⁷"]);
         assert!(labels([5.0, 5.0], true, 300.0).len() >= 2);
         for odd in [
             [f64::NAN, 0.0],

@@ -6,7 +6,6 @@ use plotters::style::{
     Color, FontStyle, FontTransform, IntoFont, IntoTextStyle, RGBColor, ShapeStyle,
 };
 
-pub use crate::figure::font::width;
 use crate::figure::style::{Colour, FAINT, INK, Marker, WHITE, ink_on};
 
 pub type Point = (f64, f64);
@@ -48,6 +47,10 @@ impl Text {
 /// The surface that a figure is drawn on. Drawing cannot fail: plotters writes to a string.
 pub struct Canvas<'a>(SVGBackend<'a>);
 
+/// Lengths of a dash and of the gap, as SVG writes them.
+pub type Dash = &'static str;
+const DASHES: [Dash; 5] = ["2 3", "3 4", "5 4", "6 5", "10 4"];
+
 /// Draws an SVG on a white background, because a viewer may have a dark one.
 pub fn svg([width, height]: [f64; 2], draw: impl FnOnce(&mut Canvas)) -> String {
     let (mut text, size) = (String::new(), (width as u32, height as u32));
@@ -61,39 +64,25 @@ pub fn svg([width, height]: [f64; 2], draw: impl FnOnce(&mut Canvas)) -> String 
     for default in [" opacity=\"1\"", " stroke-width=\"1\"", " stroke=\"none\"", FONT] {
         text = text.replace(default, "");
     }
-    joined(&text).replacen("<svg", &format!("<svg{FONT}"), 1)
+    for (k, dash) in DASHES.iter().enumerate() {
+        let [from, to] =
+            [format!(" opacity=\"0.{}\"", k + 1), format!(" stroke-dasharray=\"{dash}\"")];
+        text = text.replace(&from, &to);
+    }
+    text.replacen("<svg", &format!("<svg{FONT}"), 1)
 }
 
-/// Joins consecutive lines with equal attributes, such as the dashes of a line, to one path. Its
-/// coordinates are relative to the previous ones, because those have fewer digits.
-fn joined(svg: &str) -> String {
-    let (mut out, mut open, mut pen) = (String::new(), "", [0; 2]);
-    for element in svg.lines() {
-        let line = element.strip_prefix("<line ").and_then(|it| it.strip_suffix("\"/>"));
-        let parts = line.and_then(|line| line.split_once(" x1=\""));
-        let look = parts.map_or("", |parts| parts.0);
-        if look != open && !open.is_empty() {
-            out += "\"/>\n";
-        }
-        if let Some((look, ends)) = parts {
-            if look != open {
-                out += &format!("<path {look} d=\"");
-                pen = [0; 2];
-            }
-            // The backend draws at whole pixels.
-            let ends: Vec<i32> = ends.split('"').filter_map(|text| text.parse().ok()).collect();
-            for (to, command) in ends.chunks_exact(2).zip(["m", "l"]) {
-                let [x, y] = [to[0] - pen[0], to[1] - pen[1]];
-                out += &format!("{command}{x}{}{y}", if y < 0 { "" } else { " " });
-                pen = [to[0], to[1]];
-            }
-        } else {
-            out += element;
-            out.push('\n');
-        }
-        open = look;
-    }
-    out
+/// Returns about the width of a text of this height in DejaVu Sans, a wide font, in layout units.
+pub fn width(text: &str, size: f64, bold: bool) -> f64 {
+    let share = |letter: char| match letter {
+        'i' | 'j' | 'l' | 'I' | ' ' | '.' | ',' | ':' | '\'' | '|' => 0.3,
+        'f' | 'r' | 't' | '(' | ')' | '-' | '/' => 0.4,
+        'm' | 'w' | 'M' | 'W' | '%' | '=' | '+' => 0.9,
+        'A'..='Z' => 0.7,
+        _ => 0.62,
+    };
+    let em = if bold { 0.9 * size } else { 0.8 * size };
+    text.chars().map(|letter| share(letter) * em).sum()
 }
 
 pub const MARGIN: f64 = 24.0;
@@ -109,26 +98,22 @@ impl Canvas<'_> {
     }
 
     pub fn line(&mut self, points: &[Point], colour: Colour, width: f64) {
-        let style = ShapeStyle {
-            color: rgb(colour).to_rgba(),
-            filled: false,
-            stroke_width: width.round().max(1.0) as u32,
-        };
+        self.dashed(points, colour, width, None);
+    }
+
+    /// Draws a line. `dash` names its dashes as SVG does; `None` is a solid line.
+    pub fn dashed(&mut self, points: &[Point], colour: Colour, width: f64, dash: Option<Dash>) {
+        // Plotters has no dashes: the opacity stands for them until the figure is complete.
+        let place = DASHES.iter().position(|it| Some(*it) == dash);
+        let alpha = place.map_or(1.0, |place| (place + 1) as f64 / 10.0);
+        let width = width.round().max(1.0) as u32;
+        let style =
+            ShapeStyle { color: rgb(colour).mix(alpha), filled: false, stroke_width: width };
         let _ = match pixels(points).as_slice() {
             [] => Ok(()),
             &[from, to] => self.0.draw_line(from, to, &style),
             path => self.0.draw_path(path.iter().copied(), &style),
         };
-    }
-
-    /// Draws a line. `dash` holds the lengths of a dash and of the gap; `None` is a solid line.
-    pub fn dashed(&mut self, points: &[Point], colour: Colour, width: f64, dash: Option<Point>) {
-        match dash {
-            None => self.line(points, colour, width),
-            Some(dash) => {
-                dashes(points, dash).iter().for_each(|piece| self.line(piece, colour, width));
-            }
-        }
     }
 
     pub fn fill(&mut self, points: &[Point], colour: Colour) {
@@ -217,48 +202,4 @@ fn pixels(points: &[Point]) -> Vec<(i32, i32)> {
 
 fn rgb((r, g, b): Colour) -> RGBColor {
     RGBColor(r, g, b)
-}
-
-fn dashes(points: &[Point], (on, off): Point) -> Vec<Vec<Point>> {
-    let (mut pieces, mut phase) = (Vec::new(), 0.0);
-    for pair in points.windows(2) {
-        let &[(x0, y0), (x1, y1)] = pair else { continue };
-        let length = (x1 - x0).hypot(y1 - y0);
-        if !length.is_finite() || length <= 0.0 {
-            continue;
-        }
-        let at = |s: f64| (x0 + (x1 - x0) * s / length, y0 + (y1 - y0) * s / length);
-        let mut start = -phase;
-        while start < length {
-            let (low, high) = (start.max(0.0), (start + on).min(length));
-            if high > low {
-                pieces.push(vec![at(low), at(high)]);
-            }
-            start += on + off;
-        }
-        phase = on + off - (start - length);
-    }
-    pieces
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn equal_lines_become_one_path() {
-        let line = |colour: &str, [a, b, c, d]: [i32; 4]| {
-            format!("<line stroke=\"{colour}\" x1=\"{a}\" y1=\"{b}\" x2=\"{c}\" y2=\"{d}\"/>\n")
-        };
-        let svg = line("red", [10, 20, 13, 18]) + &line("red", [20, 9, 20, 30]);
-        let svg = svg
-            + &line("blue", [1, 2, 3, 4])
-            + "<circle/>\n"
-            + &line("blue", [1, 2, 3, 4])
-            + "</svg>\n";
-        assert_eq!(
-            super::joined(&svg),
-            "<path stroke=\"red\" d=\"m10 20l3-2m7-9l0 21\"/>\n\
-             <path stroke=\"blue\" d=\"m1 2l2 2\"/>\n<circle/>\n\
-             <path stroke=\"blue\" d=\"m1 2l2 2\"/>\n</svg>\n"
-        );
-    }
 }

@@ -7,7 +7,6 @@
 mod axis;
 mod bars;
 mod canvas;
-mod font;
 mod lines;
 mod speed_error;
 pub mod style;

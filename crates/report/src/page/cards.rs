@@ -7,7 +7,6 @@ use crate::report::{Facts, Part};
 use contactbench_record::cells::Cell;
 use contactbench_record::findings::claim::{self, Status};
 use contactbench_record::record::row::Outcome;
-use contactbench_terms::number::plural;
 use contactbench_terms::text::html as escape;
 
 pub fn html(facts: &Facts<'_>) -> String {
@@ -38,83 +37,53 @@ fn names<'a>(cells: &[&'a Cell], name: impl Fn(&'a Cell) -> &'a str) -> String {
     escape(&names.into_iter().collect::<Vec<_>>().join(", "))
 }
 
-/// Returns the class of the card, and the number of right answers in words.
+/// Returns the class of the card, and the number of cells by answer.
 fn right(parts: &[Part<'_>]) -> (&'static str, String) {
     let all: Vec<&Cell> = parts.iter().flat_map(|part| &part.cells).copied().collect();
-    let such = |wanted: &dyn Fn(&&Cell) -> bool| -> Vec<&Cell> {
+    let such = |wanted: &dyn Fn(&Cell) -> bool| -> Vec<&Cell> {
         all.iter().filter(|cell| wanted(cell)).copied().collect()
     };
     let good = such(&|cell| cell.overall().0.is_good());
-    let off = |cell: &&Cell| cell.errors.is_some_and(|errors| errors.wrong() > 0);
-    let off: Vec<&Cell> = good.iter().filter(|cell| off(cell)).copied().collect();
     let wrong = such(&|cell| cell.overall().0 == Outcome::Wrong);
-    let twins = match parts.iter().map(|part| part.coverage.twins).sum::<usize>() {
-        0 => String::new(),
-        twins => format!(" ({twins} of twins)"),
-    };
-    let (class, mut said) = match wrong.len() {
-        0 => (
-            "good",
-            format!(
-                "<strong>No detector was wrong</strong>: {} of {}{twins} ended well, every answer \
-                 checked.",
-                good.len(),
-                plural(all.len(), "cell")
-            ),
+    let off = such(&|cell| {
+        cell.overall().0.is_good() && cell.errors.is_some_and(|errors| errors.wrong() > 0)
+    });
+    let twins = parts.iter().map(|part| part.coverage.twins).sum();
+    let counts = [
+        (wrong.len(), format!("wrong ({})", names(&wrong, |cell| &cell.id.detector))),
+        (off.len(), format!("rounded ({})", names(&off, |cell| &cell.id.arithmetic))),
+        (twins, "of twins".into()),
+        (
+            all.len() - good.len() - wrong.len(),
+            "<a href=\"#outcomes\">without an answer</a>".into(),
         ),
-        count => (
-            "bad",
-            format!(
-                "<strong>Wrong in {} of {}</strong>: {}. Times of wrong answers are not compared.",
-                plural(count, "cell"),
-                all.len(),
-                names(&wrong, |cell| &cell.id.detector)
-            ),
-        ),
-    };
-    if !off.is_empty() {
-        said += &format!(
-            " Rounding lost or added pairs in {}, as {} may.",
-            plural(off.len(), "cell"),
-            names(&off, |cell| &cell.id.arithmetic)
-        );
-    }
-    let without = all.len() - good.len() - wrong.len();
-    if without > 0 {
-        said += &format!(" <a href=\"#outcomes\">Without an answer</a>: {without}.");
-    }
-    (class, said)
+    ];
+    let said = format!("<strong>{} of {} cells right</strong>", good.len(), all.len());
+    (if wrong.is_empty() { "good" } else { "bad" }, said + &counted(&counts))
 }
 
-/// Returns the class of the card, and the number of claims that hold in words.
+/// Returns the class of the card, and the number of claims by status.
 fn claims(facts: &Facts<'_>) -> (&'static str, String) {
     let verdicts = &facts.verdicts;
     let count = |status: Status| verdicts.iter().filter(|it| it.status == status).count();
-    let mut said = match verdicts.len() {
-        0 => "No claims were checked.".to_string(),
-        all => format!(
-            "<a href=\"#claims\"><strong>{} of {} hold</strong></a>",
-            count(Status::Holds),
-            plural(all, "claim")
-        ),
-    };
-    let failed = claim::any_failed(verdicts);
-    let ours = if failed { "" } else { " (about times on this machine)" };
-    let (fails, open) = (count(Status::Fails), count(Status::NotShown));
-    let verb = if fails == 1 { "fails" } else { "fail" };
-    for (count, words) in [
-        (fails, format!("{verb}{ours}")),
-        (open, "could not be shown".into()),
-        (count(Status::NotCovered), "not covered".into()),
-    ] {
-        if count > 0 {
-            said += &format!("; {count} {words}");
-        }
-    }
+    let (fails, failed) = (count(Status::Fails), claim::any_failed(verdicts));
+    let counts = [Status::Fails, Status::NotShown, Status::NotCovered]
+        .map(|status| (count(status), status.name().to_string()));
+    let said = format!(
+        "<a href=\"#claims\"><strong>{} of {} claims hold</strong></a>",
+        count(Status::Holds),
+        verdicts.len()
+    );
     let class = match fails {
         _ if failed => "bad",
         0 => "good",
         _ => "open",
     };
-    (class, said)
+    (class, said + &counted(&counts))
+}
+
+/// Formats counts that are not 0, such as `; 2 wrong (nbs); 1 of twins`.
+fn counted(counts: &[(usize, String)]) -> String {
+    let counts = counts.iter().filter(|(count, _)| *count > 0);
+    counts.map(|(count, words)| format!("; {count} {words}")).collect()
 }

@@ -1,48 +1,37 @@
-//! `report.html`: a report in one file that needs no server, no network and no other file. Only the
-//! charts and the table of results need JavaScript. `data` gives them their numbers; `markup`
-//! escapes texts of the record. Style and scripts are in `crates/report/assets`. A content security
-//! policy in the page forbids every request.
+//! `report.html`: a report in one file that needs no server, no network and no other file. Only
+//! sorting, filtering and highlighting need JavaScript. Style and script are in
+//! `crates/report/assets`. A content security policy in the page forbids every request.
 
-pub(crate) mod answer;
 mod cards;
-mod data;
-pub(crate) mod marks;
-mod markup;
 pub mod origin;
 
 use std::fmt::Write as _;
 
-use answer::Marks;
-use markup::data_uri;
 use origin::shown;
 
 use crate::document::{self, Block};
-use crate::figure::style::ranked;
+use crate::figure::style::{Styles, ranked};
 use crate::report::{Facts, Part};
-use crate::sections;
+use crate::table::{Rows, Table};
+use crate::{sections, table};
+use contactbench_record::cells::{Cell, errors, label};
 use contactbench_record::findings::claim::{Status, Verdict};
 use contactbench_record::findings::trust::failures::failures;
+use contactbench_record::record::column::Column;
+use contactbench_record::record::row::{Outcome, Pass};
+use contactbench_terms::number::short;
 use contactbench_terms::text;
 use contactbench_terms::text::html as escape;
 
 const TEMPLATE: &str = include_str!("../../assets/report/page.html");
-const STYLE: &str = include_str!("../../assets/report/style.css");
-const CHART: &str = include_str!("../../assets/report/chart.js");
-const TABLE: &str = include_str!("../../assets/report/table.js");
-const UPLOT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
-const UPLOT_STYLE: &str = include_str!("../../assets/uplot/uPlot.min.css");
-const UPLOT_LICENCE: &str = include_str!("../../assets/uplot/LICENSE");
+pub(crate) const STYLE: &str = include_str!("../../assets/report/style.css");
+pub(crate) const SCRIPT: &str = include_str!("../../assets/report/page.js");
 
 /// Limit of the bytes of figures inside a page; further figures are linked.
 const FIGURE_BYTES: usize = 2_500_000;
 
 pub fn html(facts: &Facts<'_>) -> String {
-    let (parts, styles) = (&facts.parts, &facts.styles);
-    let detectors = ranked(facts.cells, |cell| cell.id.subject());
-    let detectors: Vec<&str> = detectors.iter().map(String::as_str).collect();
-    let marks = Marks { detectors: &detectors, styles };
-    let titles = parts.iter().map(|part| (&*part.experiment.name, &*part.experiment.title));
-    let data = data::json(&titles.collect::<Vec<_>>(), facts.cells, &detectors, styles);
+    let parts = &facts.parts;
     let warning = |line: &String| Block::Warning(line.as_str().into());
     let wrong = facts.wrong.iter().map(warning);
     let first: Vec<Block> = wrong.chain(facts.alerts.iter().cloned()).collect();
@@ -53,23 +42,51 @@ pub fn html(facts: &Facts<'_>) -> String {
         ("source", escape(&source(facts))),
         ("warnings", document::html(&first)),
         ("cards", cards::html(facts)),
-        ("answers", answers(parts, &marks)),
+        ("answers", parts.iter().map(|part| answers(part, parts.len() > 1)).collect()),
         ("claims", claims(parts)),
+        ("legend", legend(facts.cells, &facts.styles)),
         ("figures", figures(parts)),
+        ("results", results(facts.cells).html("results")),
         ("outcomes", outcomes(parts)),
         ("tables", parts.iter().map(tables).collect()),
         ("machine", document::html(&notes) + &facts.origin.method()),
         ("commands", facts.origin.commands()),
-        ("colours", marks::css(&detectors, styles)),
-        ("data", markup::script_safe(&data.to_string())),
         ("style", STYLE.into()),
-        ("chart", CHART.into()),
-        ("table", TABLE.into()),
-        ("uplot", UPLOT.into()),
-        ("uplot-style", UPLOT_STYLE.into()),
-        ("uplot-licence", escape(UPLOT_LICENCE)),
+        ("script", SCRIPT.into()),
     ];
     text::fill(TEMPLATE, &values)
+}
+
+/// Returns a button for each detector, with its colour in the figures.
+pub(crate) fn legend(cells: &[Cell], styles: &Styles) -> String {
+    let mut out = String::from("<div class=\"who\" role=\"group\" aria-label=\"Detectors\">");
+    for name in ranked(cells, |cell| cell.id.subject()) {
+        let (r, g, b) = styles.get(&name).colour;
+        let colour = format!("#{r:02X}{g:02X}{b:02X}");
+        let _ = write!(
+            out,
+            "<button type=\"button\" aria-pressed=\"false\" data-colour=\"{colour}\" \
+             style=\"--c:{colour}\">{}</button>",
+            escape(&name)
+        );
+    }
+    out + "</div>\n"
+}
+
+/// Returns the table of all cells.
+fn results(cells: &[Cell]) -> Table {
+    let swept = label::swept(&cells.iter().collect::<Vec<_>>());
+    let per = |cell: &Cell, name| Some(cell.variable(name, None)? / cell.id.n.max(1) as f64);
+    let rows = Table::of("", cells)
+        .left("scene", |it| label::title(it.id.scene_id(), &swept))
+        .left("detector", |it| it.id.subject());
+    measured(rows, |it| it)
+        .right("contact tests / N", |it| per(it, "contact_test"))
+        .right("operations / N", |it| operations(it) / it.id.n.max(1) as f64)
+        .right("wrong / contact", errors::rate)
+        .left("experiment", |it| &*it.id.experiment)
+        .left("reason", |it| it.overall().1)
+        .into()
 }
 
 /// Returns the line below the title: date, machine, program.
@@ -92,74 +109,51 @@ fn source(facts: &Facts<'_>) -> String {
     parts.into_iter().flatten().collect::<Vec<_>>().join(" · ")
 }
 
-fn answers(parts: &[Part<'_>], marks: &Marks<'_>) -> String {
-    let mut out = String::from("<ul class=\"who\" aria-label=\"Marks of the detectors\">");
-    for (k, name) in marks.detectors.iter().enumerate() {
-        let style = marks.styles.get(name);
-        if !style.control {
-            out += &format!("<li>{}{}</li>", marks::chip(k, style.marker), escape(name));
-        }
+/// Returns the question of an experiment with its answers.
+pub(crate) fn answers(part: &Part<'_>, several: bool) -> String {
+    let compared = part.asks_fastest && sections::winners::compared(&part.winners);
+    let mut blocks = vec![Block::heading(3, part.experiment.question.as_str())];
+    blocks.extend(sections::answer::blocks(&part.verdicts, true));
+    // If there is only one experiment, the card already holds the sentence.
+    blocks.extend((compared && several).then(|| Block::Paragraph(part.sentence())));
+    blocks.extend(sections::winners::left_out(&part.winners).filter(|_| compared));
+    let mut out = document::html(&blocks);
+    if compared {
+        out += &fastest(part);
     }
-    out += "</ul>\n";
-    for part in parts {
-        let contests = !part.winners.contests.is_empty();
-        let mut head = vec![Block::heading(3, part.experiment.question.as_str())];
-        head.extend(sections::answer::blocks(&part.verdicts, true));
-        out += &format!("<article>\n{}", document::html(&head));
-        let asked = part.asks_fastest && contests;
-        // If there is only one experiment, the card already holds the sentence.
-        if parts.len() > 1 && asked {
-            let sentence = document::inline_html(&part.sentence());
-            out += &format!("<p class=\"lead\">{sentence}</p>\n");
-        }
-        let compared = asked && sections::winners::compared(&part.winners);
-        let left_out = sections::winners::left_out(&part.winners).filter(|_| compared);
-        out += &document::html(&Vec::from_iter(left_out));
-        if compared {
-            out += &answer::table(&part.winners, marks);
-        }
-        if let Some(matrix) = &part.matrix {
-            let blocks = document::html(&sections::claims::verdicts::blocks(matrix));
-            out += &details("Who is right, case by case", &blocks, !contests);
-        }
-        out += "</article>\n";
+    if let Some(matrix) = &part.matrix {
+        let blocks = document::html(&sections::claims::verdicts::blocks(matrix));
+        out += &details("Who is right, case by case", &blocks, part.winners.contests.is_empty());
     }
     out
 }
 
-fn claims(parts: &[Part<'_>]) -> String {
-    let mut out = String::new();
-    for part in parts.iter().filter(|part| !part.verdicts.is_empty()) {
-        let _ = writeln!(
-            out,
-            "<h3>{}</h3>\n<div class=\"scroll\" tabindex=\"0\"><table \
-             class=\"claims\"><thead><tr><th>claim</th><th>verdict</th><th>evidence</th></tr>\
-             </thead><tbody>",
-            escape(&part.experiment.title)
-        );
-        out.extend(part.verdicts.iter().map(claim));
-        out += "</tbody></table></div>\n";
-    }
-    if out.is_empty() { "<p>No claims were checked.</p>".into() } else { out }
+/// Returns the table of the fastest detectors.
+pub(crate) fn fastest(part: &Part<'_>) -> String {
+    let shown = sections::winners::shown(&part.winners);
+    sections::winners::table(&shown, true, short).html("answer")
 }
 
-fn claim(verdict: &Verdict) -> String {
-    let (class, sign) = match verdict.status {
-        Status::Holds => ("good", "✓"),
-        Status::Fails => ("bad", "✗"),
-        Status::NotCovered | Status::NotShown => ("open", "–"),
+fn claims(parts: &[Part<'_>]) -> String {
+    let claimed = parts.iter().filter(|part| !part.verdicts.is_empty());
+    let tables = claimed.map(|part| {
+        let title = escape(&part.experiment.title);
+        let table = Table::of("", &part.verdicts).left("claim", |it| &*it.claim);
+        let table = table.left("verdict", verdict);
+        let table = table.left("evidence", |it| sections::claims::evidence(&it.evidence));
+        let table = Table::from(table.left("source", |it| &*it.source));
+        format!("<h3>{title}</h3>\n{}", table.html("claims"))
+    });
+    tables.reduce(|all, next| all + &next).unwrap_or("<p>No claims were checked.</p>".into())
+}
+
+fn verdict(verdict: &Verdict) -> String {
+    let sign = match verdict.status {
+        Status::Holds => "✓",
+        Status::Fails => "✗",
+        Status::NotCovered | Status::NotShown => "–",
     };
-    let source = match &*verdict.source {
-        "" => String::new(),
-        source => format!("<br><small>{}</small>", escape(source)),
-    };
-    format!(
-        "<tr><td>{}{source}</td><td class=\"verdict {class}\">{sign} \
-         {}</td><td><small>{}</small></td></tr>\n",
-        escape(&verdict.claim),
-        verdict.status.name(),
-        escape(&sections::claims::evidence(&verdict.evidence))
-    )
+    format!("{sign} {}", verdict.status.name())
 }
 
 fn figures(parts: &[Part<'_>]) -> String {
@@ -167,17 +161,15 @@ fn figures(parts: &[Part<'_>]) -> String {
     for (title, path) in parts.iter().flat_map(|part| &part.figures) {
         let title = escape(title);
         let name = escape(&path.file_name().unwrap_or_default().to_string_lossy());
-        let svg = std::fs::read_to_string(path).ok().map(|svg| data_uri(&svg));
-        let svg = svg.filter(|svg| svg.len() <= room);
-        let image = match &svg {
-            Some(svg) => format!("<img alt=\"{title}\" loading=\"lazy\" src=\"{svg}\">"),
-            None => "<p>(too large for this page)</p>".into(),
-        };
-        room -= svg.map_or(0, |svg| svg.len());
+        let svg = std::fs::read_to_string(path).ok().filter(|svg| svg.len() <= room);
+        room -= svg.as_ref().map_or(0, String::len);
+        let image = svg.map_or("<p>(too large for this page)</p>".into(), |svg| {
+            svg.replacen("<svg", &format!("<svg role=\"img\" aria-label=\"{title}\""), 1)
+        });
         let _ = writeln!(
             out,
-            "<figure>{image}<figcaption>{title}<span class=\"links\">Download: <a \
-             href=\"figures/{name}\" download=\"{name}\">SVG</a></span></figcaption></figure>"
+            "<figure>{image}<figcaption>{title} <a href=\"figures/{name}\" \
+             download=\"{name}\">SVG</a></figcaption></figure>"
         );
     }
     if out.is_empty() { "<p>The experiments ask for no figures.</p>".into() } else { out }
@@ -212,4 +204,41 @@ pub(crate) fn code(text: &str) -> String {
 fn details(head: &str, body: &str, open: bool) -> String {
     let open = if open { " open" } else { "" };
     format!("<details{open}><summary>{head}</summary>\n{body}</details>\n")
+}
+
+/// Adds the columns that all tables of measurements share.
+pub(crate) fn measured<'a, R: Copy>(rows: Rows<R>, cell: impl Fn(R) -> &'a Cell + Copy) -> Rows<R> {
+    let per = move |row: R, name: &str| {
+        let cell = cell(row);
+        Some(cell.variable(name, None)? / cell.id.n.max(1) as f64 / cell.frames())
+    };
+    let time = move |row: R| match cell(row).wrong_time() {
+        Some(time) => table::Cell::Number(time / cell(row).id.n.max(1) as f64).wrong(),
+        None => per(row, "time_ns").into(),
+    };
+    rows.left("answer", move |row| answer(cell(row)))
+        .right("wrong pairs", move |row| wrong(cell(row)))
+        .unit("time / N", "ns", time)
+        .unit("time / pair", "ns", move |row| cell(row).per_pair(cell(row).time()?.median))
+        .unit("memory / N", "bytes", move |row| per(row, "peak_bytes"))
+        .right("threads", move |row| cell(row).id.threads())
+        .left("arithmetic", move |row| &*cell(row).id.arithmetic)
+}
+
+fn answer(cell: &Cell) -> &'static str {
+    match cell.overall().0 {
+        Outcome::Ok | Outcome::Lossy if wrong(cell).is_some() => Outcome::Wrong.name(),
+        Outcome::Ok => "right",
+        outcome => outcome.name(),
+    }
+}
+
+/// Returns the number of wrong pairs; `None` if there are none, or if they were not counted.
+fn wrong(cell: &Cell) -> Option<u64> {
+    cell.errors.map(|errors| errors.wrong()).filter(|&wrong| wrong > 0)
+}
+
+pub(crate) fn operations(cell: &Cell) -> f64 {
+    let counted = Column::measured_by(Pass::Count);
+    counted.filter_map(|column| cell.variable(&column.name, None)).sum()
 }

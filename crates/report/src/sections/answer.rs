@@ -67,9 +67,6 @@ pub fn brief(verdicts: &[Verdict]) -> Option<Text> {
     match verdicts.len() {
         0 => None,
         _ if answered => Some(Text::new().strong(listed.join(", "))),
-        all => Some(Text::new().strong(format!("{held} of {all}")).plain(match all {
-            1 => " claim holds",
-            _ => " claims hold",
-        })),
+        all => Some(Text::from(format!("{held} of {all} claims hold"))),
     }
 }

@@ -9,36 +9,23 @@ use contactbench_record::findings::ratios::{Entry, Library, Missing, Ratios, Sce
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::{number, plural, times, with_interval};
 
-/// Compares the reference with the fastest library of each scene.
+/// Counts the scenes in which the reference is faster than the fastest library.
 pub fn headline(found: &Ratios) -> Text {
-    let all = &found.libraries;
-    let decided = |ahead: bool| -> Vec<&Library> {
-        all.iter().filter(|it| it.decided() && (it.ratio.median > 1.0) == ahead).collect()
+    let count = |wanted: &dyn Fn(&Library) -> bool| -> usize {
+        found.libraries.iter().filter(|it| wanted(it)).map(|it| it.scenes).sum()
     };
-    let count = |found: &[&Library]| found.iter().map(|it| it.scenes).sum::<usize>();
-    let (mut ahead, behind) = (decided(true), count(&decided(false)));
-    let (scenes, faster) = (all.iter().map(|it| it.scenes).sum(), count(&ahead));
-    let (reference, of) = (&found.reference, plural(scenes, "scene"));
-    let claim = format!("{reference} is faster than the fastest library in {faster} of {of}");
-    let mut rest = " (on one thread)".to_string();
-    ahead.sort_by(|a, b| a.ratio.median.total_cmp(&b.ratio.median));
-    if let (Some(least), Some(most)) = (ahead.first(), ahead.last()) {
-        let said = |it: &Library| {
-            let Library { name, title, n, .. } = it;
-            (times(it.ratio.median), format!("({name}, on {title}, N = {n})"))
-        };
-        let ((low, first), (high, last)) = (said(least), said(most));
-        rest += &format!("; that library takes {low} times as long {first}");
-        if ahead.len() > 1 {
-            rest += &format!(" to {high} times {last}");
-        }
+    let ahead = |it: &&Library| it.decided() && it.ratio.median > 1.0;
+    let (faster, open) = (count(&|it| ahead(&it)), count(&|it| !it.decided()));
+    let all = count(&|_| true);
+    let reference = &found.reference;
+    let words =
+        format!("{reference} is faster than the fastest library in {faster} of {all} scenes");
+    let mut rest = format!(" (on one thread; undecided {open}, slower {})", all - faster - open);
+    let ratios = found.libraries.iter().filter(ahead).map(|it| it.ratio.median);
+    if let (Some(least), Some(most)) = (ratios.clone().reduce(f64::min), ratios.reduce(f64::max)) {
+        rest += &format!(": that library takes {} to {} times as long", times(least), times(most));
     }
-    for (count, words) in [(behind, "slower in"), (scenes - faster - behind, "undecided in")] {
-        if count > 0 {
-            rest += &format!("; {words} {count}");
-        }
-    }
-    Text::new().strong(claim).plain(rest + ".")
+    Text::new().strong(words).plain(rest + ".")
 }
 
 pub fn section(about: &About<'_>) -> Option<Section> {

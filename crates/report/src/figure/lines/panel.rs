@@ -2,7 +2,7 @@
 //! without a value.
 
 use crate::figure::axis::Axis;
-use crate::figure::canvas::{Canvas, Point, Text, width};
+use crate::figure::canvas::{Canvas, Dash, Point, Text, width};
 use crate::figure::lines::data::{Curve, CurveKey, Panel};
 use crate::figure::style::{
     CACHE, CACHE_NAME, FAINT, FRAME, GRID, INK, STRIP, Style, Styles, letter,
@@ -40,12 +40,12 @@ pub struct Area<'a> {
 
 /// Returns the width and the dashes of a line. Controls are thin. Lines of several threads are
 /// dashed, and so are f32 and f64 if the figure compares arithmetics.
-pub fn dash_of(style: Style, key: &CurveKey) -> (f64, Option<Point>) {
+pub fn dash_of(style: Style, key: &CurveKey) -> (f64, Option<Dash>) {
     match &*key.variant {
-        _ if key.parallel && !style.control => (2.0, Some((6.0, 5.0))),
-        _ if style.control => (1.5, Some((5.0, 4.0))),
-        v if v.starts_with("f32") => (2.0, Some((3.0, 4.0))),
-        v if v.starts_with("f64") => (2.0, Some((10.0, 4.0))),
+        _ if style.control => (1.0, Some("5 4")),
+        _ if key.parallel => (2.0, Some("6 5")),
+        v if v.starts_with("f32") => (2.0, Some("3 4")),
+        v if v.starts_with("f64") => (2.0, Some("10 4")),
         _ => (2.0, None),
     }
 }
@@ -135,7 +135,7 @@ impl Area<'_> {
         for (name, bytes) in self.shared.caches {
             let x = self.x(outgrown(*bytes, dim)).filter(|x| inside.contains(x));
             let Some(x) = x else { continue };
-            canvas.dashed(&[(x, top), (x, bottom)], CACHE, 2.0, Some((2.0, 3.0)));
+            canvas.dashed(&[(x, top), (x, bottom)], CACHE, 2.0, Some("2 3"));
             let (words, text) = (format!("> {name}"), Text::new(15.0, CACHE_NAME).bold());
             // The name is left of the line if it would leave the panel on the right.
             let right = x + 6.0 + width(&words, 15.0, true) < self.high.0;
@@ -175,7 +175,7 @@ impl Area<'_> {
                     path.push((self.low.0 + place * (self.high.0 - self.low.0), y));
                 }
             }
-            canvas.dashed(&path, (175, 175, 175), 1.0, Some((6.0, 4.0)));
+            canvas.dashed(&path, (175, 175, 175), 1.0, Some("6 5"));
             match path.last().filter(|_| path.len() > 1) {
                 Some(&(x, y)) if x < self.high.0 - 1.0 => {
                     canvas.text(name, (x + 7.0, y.max(top + 9.0)), SLOPE);
@@ -204,10 +204,7 @@ impl Area<'_> {
             if let (Some(low), Some(high)) = (at(point.x, point.low), at(point.x, point.high))
                 && low.1 - high.1 > 1.0
             {
-                canvas.line(&[low, high], style.colour, 1.5);
-                for (x, y) in [low, high] {
-                    canvas.line(&[(x - 4.0, y), (x + 4.0, y)], style.colour, 1.5);
-                }
+                canvas.line(&[low, high], style.colour, 2.0);
             }
             if let Some(at) = at(point.x, point.y) {
                 let size = if style.control { 2.5 } else { 4.5 };

@@ -7,28 +7,16 @@ use contactbench_record::findings::claim::{Evidence, Status, Verdict, Without};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::{plural, short};
 
-/// Formats a score such as `All 26 claims hold`, or `26 claims: 24 hold, 1 fails, 1 not covered`.
+/// Formats a score such as `24 of 26 claims hold; 1 FAILS; 1 not covered`.
 pub fn score(verdicts: &[Verdict]) -> String {
     let count = |status: Status| verdicts.iter().filter(|verdict| verdict.status == status).count();
-    let all = verdicts.len();
-    match count(Status::Holds) {
-        1 if all == 1 => return "The claim holds".into(),
-        2 if all == 2 => return "Both claims hold".into(),
-        holds if holds == all => return format!("All {all} claims hold"),
-        _ => {}
+    let mut said = format!("{} of {} claims hold", count(Status::Holds), verdicts.len());
+    for status in [Status::Fails, Status::NotShown, Status::NotCovered] {
+        if count(status) > 0 {
+            said += &format!("; {} {}", count(status), status.name());
+        }
     }
-    let parts = [
-        (Status::Holds, ["holds", "hold"]),
-        (Status::Fails, ["fails", "fail"]),
-        (Status::NotShown, ["could not be shown"; 2]),
-        (Status::NotCovered, ["not covered"; 2]),
-    ];
-    let parts = parts.map(|(status, words)| (count(status), words)).into_iter();
-    let parts = parts.filter(|(count, _)| *count > 0);
-    let parts: Vec<String> = parts
-        .map(|(count, [one, more])| format!("{count} {}", if count == 1 { one } else { more }))
-        .collect();
-    format!("{}: {}", plural(all, "claim"), parts.join(", "))
+    said
 }
 
 pub fn evidence(evidence: &Evidence) -> String {
@@ -57,14 +45,7 @@ fn left_out(without: &Without) -> String {
     };
     let parts: Vec<String> = without.outcomes.iter().map(part).collect();
     let count: usize = without.outcomes.values().sum();
-    let of = plural(without.of, "cell");
-    match &*parts {
-        [_] => format!(
-            "; {count} of {of} left out ({})",
-            parts[0].split_once(' ').unwrap_or_default().1
-        ),
-        _ => format!("; {count} of {of} left out: {}", parts.join(", ")),
-    }
+    format!("; {count} of {} left out: {}", plural(without.of, "cell"), parts.join(", "))
 }
 
 pub fn blocks(verdicts: &[Verdict]) -> Vec<Block> {
