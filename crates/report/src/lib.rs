@@ -2,6 +2,7 @@
 
 pub mod csv;
 pub mod document;
+mod facts;
 pub mod figure;
 pub mod page;
 pub mod report;

@@ -1,7 +1,8 @@
 //! `ro-crate-metadata.json`: describes a result folder to archives, as a Process Run Crate 0.5
 //! (<https://w3id.org/ro/wfrun/process/0.5>), from the provenance of the run.
 
-use std::path::{Path, PathBuf};
+use std::collections::BTreeSet;
+use std::path::Path;
 
 use contactbench_record::record::folder::copies::sha256;
 use serde_json::{Value, json};
@@ -14,27 +15,19 @@ const LICENCES: [(&str, &str); 2] = [
     ("https://spdx.org/licenses/Apache-2.0.html", "Apache License 2.0"),
 ];
 
-/// Returns the files in a folder and its folders, sorted, as paths below it, without hidden ones.
-fn files(folder: &Path) -> std::io::Result<Vec<String>> {
-    let mut found = Vec::new();
-    let mut open = vec![PathBuf::new()];
-    while let Some(below) = open.pop() {
-        for entry in std::fs::read_dir(folder.join(&below))? {
-            let entry = entry?;
-            let path = below.join(entry.file_name());
-            if entry.file_name().to_string_lossy().starts_with('.') {
-                continue;
-            }
-            match entry.file_type() {
-                Ok(kind) if kind.is_dir() => open.push(path),
-                Ok(kind) if kind.is_file() => found.push(path.to_string_lossy().replace('\\', "/")),
-                _ => {}
-            }
+/// Finds the files in a folder and its folders, as paths below it, without hidden ones.
+fn find(folder: &Path, below: &Path, found: &mut BTreeSet<String>) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder.join(below))? {
+        let entry = entry?;
+        let (kind, path) = (entry.file_type()?, below.join(entry.file_name()));
+        let hidden = entry.file_name().to_string_lossy().starts_with('.');
+        if kind.is_dir() && !hidden {
+            find(folder, &path, found)?;
+        } else if kind.is_file() && !hidden {
+            found.insert(path.to_string_lossy().replace('\\', "/"));
         }
     }
-    found.retain(|path| path != FILE);
-    found.sort();
-    Ok(found)
+    Ok(())
 }
 
 fn kind(path: &str) -> &'static str {
@@ -62,14 +55,8 @@ fn id(path: &str) -> String {
 
 fn file(folder: &Path, path: &str) -> std::io::Result<Value> {
     let bytes = std::fs::read(folder.join(path))?;
-    Ok(json!({
-        "@id": id(path),
-        "@type": "File",
-        "name": path,
-        "encodingFormat": kind(path),
-        "contentSize": bytes.len().to_string(),
-        "sha256": sha256(&bytes),
-    }))
+    Ok(json!({"@id": id(path), "@type": "File", "name": path, "encodingFormat": kind(path),
+        "contentSize": bytes.len().to_string(), "sha256": sha256(&bytes)}))
 }
 
 /// Returns the text of the file for a folder with this title, question and provenance.
@@ -85,64 +72,41 @@ pub fn text(
     let field = |name: &str| provenance.get(name).and_then(Value::as_str).unwrap_or_default();
     // The date is written as 2026-11-27T09-31-08.
     let (day, time) = field("date_utc").split_once('T').unwrap_or((field("date_utc"), "00-00-00"));
-    let began = format!("{day}T{}+00:00", time.replace('-', ":"));
-    let files = files(folder)?;
-    let ids = |wanted: &dyn Fn(&str) -> bool| -> Vec<Value> {
-        files.iter().filter(|path| wanted(path)).map(|path| json!({ "@id": id(path) })).collect()
+    let mut files = BTreeSet::new();
+    find(folder, Path::new(""), &mut files)?;
+    files.remove(FILE);
+    let (inputs, results): (Vec<&String>, Vec<&String>) =
+        files.iter().partition(|path| path.starts_with("experiments/"));
+    let ids = |paths: &[&String]| -> Vec<Value> {
+        paths.iter().map(|path| json!({"@id": id(path)})).collect()
     };
-    let input = |path: &str| path.starts_with("experiments/");
     let mut graph = vec![
-        json!({
-            "@id": FILE,
-            "@type": "CreativeWork",
-            "about": { "@id": "./" },
-            "conformsTo": { "@id": "https://w3id.org/ro/crate/1.1" },
-        }),
-        json!({
-            "@id": "./",
-            "@type": "Dataset",
-            "name": title,
-            "description": question,
-            "datePublished": day,
-            "license": LICENCES.map(|(id, _)| json!({ "@id": id })),
-            "conformsTo": { "@id": PROFILE },
-            "hasPart": ids(&|_| true),
-            "mentions": { "@id": "#run" },
-        }),
-        json!({
-            "@id": PROFILE,
-            "@type": "CreativeWork",
-            "name": "Process Run Crate",
-            "version": "0.5",
-        }),
-        json!({ "@id": "#authors", "@type": "Organization", "name": "The contactbench founders" }),
-        json!({
-            "@id": "#program",
-            "@type": "SoftwareApplication",
-            "name": "contactbench",
+        json!({"@id": FILE, "@type": "CreativeWork", "about": {"@id": "./"},
+            "conformsTo": {"@id": "https://w3id.org/ro/crate/1.1"}}),
+        json!({"@id": "./", "@type": "Dataset", "name": title, "description": question,
+            "datePublished": day, "license": LICENCES.map(|(id, _)| json!({"@id": id})),
+            "conformsTo": {"@id": PROFILE}, "mentions": {"@id": "#run"},
+            "hasPart": ids(&Vec::from_iter(&files))}),
+        json!({"@id": PROFILE, "@type": "CreativeWork", "name": "Process Run Crate",
+            "version": "0.5"}),
+        json!({"@id": "#authors", "@type": "Organization", "name": "The contactbench founders"}),
+        json!({"@id": "#program", "@type": "SoftwareApplication", "name": "contactbench",
             "version": format!("{} ({})", field("contactbench"), field("revision")),
-            "operatingSystem": field("os"),
-            "processorRequirements": field("cpu"),
-            "author": { "@id": "#authors" },
-        }),
-        json!({
-            "@id": "#run",
-            "@type": "CreateAction",
-            "name": field("command"),
-            "description": question,
-            "instrument": { "@id": "#program" },
-            "startTime": began,
-            "object": ids(&input),
-            "result": ids(&|path| !input(path)),
-        }),
+            "operatingSystem": field("os"), "processorRequirements": field("cpu"),
+            "author": {"@id": "#authors"}}),
+        json!({"@id": "#run", "@type": "CreateAction", "name": field("command"),
+            "description": question, "instrument": {"@id": "#program"},
+            "startTime": format!("{day}T{}+00:00", time.replace('-', ":")),
+            "object": ids(&inputs), "result": ids(&results)}),
     ];
-    let licence = |(id, name)| json!({ "@id": id, "@type": "CreativeWork", "name": name });
-    graph.extend(LICENCES.map(licence));
+    graph.extend(
+        LICENCES.map(|(id, name)| json!({"@id": id, "@type": "CreativeWork", "name": name})),
+    );
     for path in &files {
         graph.push(file(folder, path)?);
     }
     let context =
         ["https://w3id.org/ro/crate/1.1/context", "https://w3id.org/ro/terms/workflow-run/context"];
-    let all = json!({ "@context": context, "@graph": graph });
+    let all = json!({"@context": context, "@graph": graph});
     Ok(serde_json::to_string_pretty(&all)? + "\n")
 }

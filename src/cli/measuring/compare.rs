@@ -65,7 +65,7 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     if options.json {
         terminal::json(&page.json())?;
     } else {
-        write!(terminal::out(), "{}", page.text(terminal::width())?)?;
+        write!(terminal::out(), "{}", page.text(terminal::width()))?;
     }
     options.ci.write("compare", &cases)?;
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })

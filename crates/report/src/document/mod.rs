@@ -56,6 +56,22 @@ impl Text {
         self.and(Style::Code, text)
     }
 
+    /// Reads a text whose pieces in backticks are code, and those in asterisks emphasis.
+    pub fn marked(text: &str) -> Text {
+        let mut out = Text::new();
+        for (k, outside) in text.split('`').enumerate() {
+            for (j, piece) in outside.split('*').enumerate() {
+                let style = match (k % 2, j % 2) {
+                    (1, _) => Style::Code,
+                    (_, 1) => Style::Emphasis,
+                    _ => Style::Plain,
+                };
+                out = out.and(style, piece);
+            }
+        }
+        out
+    }
+
     fn and(mut self, style: Style, text: impl Into<String>) -> Text {
         self.0.push((style, text.into()));
         self

@@ -100,18 +100,11 @@ pub fn plain(value: f64) -> String {
 
 /// Formats the exponent -3 as `10⁻³`.
 fn power_of_ten(power: i32) -> String {
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        _ => c.to_digit(10).and_then(|digit| char::from_u32(0x2070 + digit)).unwrap_or(c),
+    let raised = |c: char| match c.to_digit(10) {
+        Some(digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit as usize).unwrap_or(c),
+        None => '⁻',
     };
-    match power {
-        0 => "1".into(),
-        1 => "10".into(),
-        _ => format!("10{}", power.to_string().chars().map(raised).collect::<String>()),
-    }
+    format!("10{}", power.to_string().chars().map(raised).collect::<String>())
 }
 
 #[cfg(test)]

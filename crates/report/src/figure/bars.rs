@@ -95,7 +95,7 @@ pub fn svg(about: &About<'_>, options: &Bars) -> anyhow::Result<Option<String>> 
     let bars = || panels.iter().flat_map(|panel| &panel.bars);
     let names = bars().map(|bar| width(bar.name, 16.0, bar.entry.is_base) + 14.0);
     let ends = bars().filter_map(|bar| bar.entry.ratio).flat_map(|ratio| [ratio.low, ratio.high]);
-    let sheet = Sheet {
+    let layout = Layout {
         styles: about.styles,
         axis: Axis::new(ends.chain([1.0]), true),
         names: names.fold(60.0, f64::max),
@@ -106,15 +106,15 @@ pub fn svg(about: &About<'_>, options: &Bars) -> anyhow::Result<Option<String>> 
         canvas.heading(&about.figure.title, &subtitle);
         for row in panels.chunks(columns) {
             for (column, panel) in row.iter().enumerate() {
-                let left = MARGIN + column as f64 * (sheet.across + GAP);
-                sheet.panel(canvas, panel, (left, top));
+                let left = MARGIN + column as f64 * (layout.across + GAP);
+                layout.panel(canvas, panel, (left, top));
             }
             top += row_height(row);
         }
     })))
 }
 
-struct Sheet<'a> {
+struct Layout<'a> {
     styles: &'a Styles,
     axis: Axis,
     /// Width reserved for names, then width of a panel.
@@ -122,7 +122,7 @@ struct Sheet<'a> {
     across: f64,
 }
 
-impl Sheet<'_> {
+impl Layout<'_> {
     fn panel(&self, canvas: &mut Canvas, panel: &Panel<'_>, (left, top): Point) {
         let (from, room) = (left + self.names, self.across - self.names - SAID);
         let at = |ratio: f64| from + room * self.axis.place(ratio).unwrap_or(0.0).clamp(0.0, 1.0);

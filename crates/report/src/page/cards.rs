@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::document;
-use crate::report::{Facts, Part};
+use crate::facts::{Chapter, Facts};
 use contactbench_record::cells::Cell;
 use contactbench_record::findings::claim::{self, Status};
 use contactbench_record::record::row::Outcome;
@@ -13,21 +13,21 @@ pub fn html(facts: &Facts<'_>) -> String {
     let card = |head: &str, (class, body): (&str, String)| {
         format!("<div class=\"card {class}\"><h3>{head}</h3><p>{body}</p></div>\n")
     };
-    card("Answer", ("speed", answer(&facts.parts)))
-        + &card("Right", right(&facts.parts))
+    card("Answer", ("speed", answer(&facts.chapters)))
+        + &card("Right", right(&facts.chapters))
         + &card("Claims", claims(facts))
 }
 
-fn answer(parts: &[Part<'_>]) -> String {
-    let brief = |part: &Part<'_>| part.brief().map(|text| document::inline_html(&text));
-    match parts {
-        [part] if part.asks_fastest => document::inline_html(&part.sentence()),
-        [part] => brief(part).unwrap_or_default(),
-        parts => {
-            let named = |part: &Part<'_>| {
-                Some(format!("{}: {}", escape(&part.experiment.name), brief(part)?))
+fn answer(chapters: &[Chapter<'_>]) -> String {
+    let brief = |chapter: &Chapter<'_>| chapter.brief().map(|text| document::inline_html(&text));
+    match chapters {
+        [chapter] if chapter.asks_fastest => document::inline_html(&chapter.sentence()),
+        [chapter] => brief(chapter).unwrap_or_default(),
+        chapters => {
+            let named = |chapter: &Chapter<'_>| {
+                Some(format!("{}: {}", escape(&chapter.experiment.name), brief(chapter)?))
             };
-            parts.iter().filter_map(named).collect::<Vec<_>>().join("; ") + "."
+            chapters.iter().filter_map(named).collect::<Vec<_>>().join("; ") + "."
         }
     }
 }
@@ -38,8 +38,8 @@ fn names<'a>(cells: &[&'a Cell], name: impl Fn(&'a Cell) -> &'a str) -> String {
 }
 
 /// Returns the class of the card, and the number of cells by answer.
-fn right(parts: &[Part<'_>]) -> (&'static str, String) {
-    let all: Vec<&Cell> = parts.iter().flat_map(|part| &part.cells).copied().collect();
+fn right(chapters: &[Chapter<'_>]) -> (&'static str, String) {
+    let all: Vec<&Cell> = chapters.iter().flat_map(|chapter| &chapter.cells).copied().collect();
     let such = |wanted: &dyn Fn(&Cell) -> bool| -> Vec<&Cell> {
         all.iter().filter(|cell| wanted(cell)).copied().collect()
     };
@@ -48,7 +48,7 @@ fn right(parts: &[Part<'_>]) -> (&'static str, String) {
     let off = such(&|cell| {
         cell.overall().0.is_good() && cell.errors.is_some_and(|errors| errors.wrong() > 0)
     });
-    let twins = parts.iter().map(|part| part.coverage.twins).sum();
+    let twins = chapters.iter().map(|chapter| chapter.coverage.twins).sum();
     let counts = [
         (wrong.len(), format!("wrong ({})", names(&wrong, |cell| &cell.id.detector))),
         (off.len(), format!("rounded ({})", names(&off, |cell| &cell.id.arithmetic))),

@@ -10,8 +10,8 @@ use std::fmt::Write as _;
 use origin::shown;
 
 use crate::document::{self, Block};
+use crate::facts::{Chapter, Facts};
 use crate::figure::style::{Styles, ranked};
-use crate::report::{Facts, Part};
 use crate::table::{Rows, Table};
 use crate::{sections, table};
 use contactbench_record::cells::{Cell, errors, label};
@@ -31,7 +31,7 @@ pub(crate) const SCRIPT: &str = include_str!("../../assets/report/page.js");
 const FIGURE_BYTES: usize = 2_500_000;
 
 pub fn html(facts: &Facts<'_>) -> String {
-    let parts = &facts.parts;
+    let chapters = &facts.chapters;
     let warning = |line: &String| Block::Warning(line.as_str().into());
     let wrong = facts.wrong.iter().map(warning);
     let first: Vec<Block> = wrong.chain(facts.alerts.iter().cloned()).collect();
@@ -42,13 +42,13 @@ pub fn html(facts: &Facts<'_>) -> String {
         ("source", escape(&source(facts))),
         ("warnings", document::html(&first)),
         ("cards", cards::html(facts)),
-        ("answers", parts.iter().map(|part| answers(part, parts.len() > 1)).collect()),
-        ("claims", claims(parts)),
+        ("answers", chapters.iter().map(|chapter| answers(chapter, chapters.len() > 1)).collect()),
+        ("claims", claims(chapters)),
         ("legend", legend(facts.cells, &facts.styles)),
-        ("figures", figures(parts)),
+        ("figures", figures(chapters)),
         ("results", results(facts.cells).html("results")),
-        ("outcomes", outcomes(parts)),
-        ("tables", parts.iter().map(tables).collect()),
+        ("outcomes", outcomes(chapters)),
+        ("tables", chapters.iter().map(tables).collect()),
         ("machine", document::html(&notes) + &facts.origin.method()),
         ("commands", facts.origin.commands()),
         ("style", STYLE.into()),
@@ -98,7 +98,7 @@ fn source(facts: &Facts<'_>) -> String {
     let first = |text: String| text.split('T').next().unwrap_or_default().to_string();
     let short = |revision: String| revision.chars().take(10).collect::<String>();
     let quick = field("quick").filter(|quick| quick == "true");
-    let parts = [
+    let known = [
         field("date_utc").map(first),
         field("cpu"),
         field("cores").map(|cores| format!("{cores} cores")),
@@ -106,39 +106,39 @@ fn source(facts: &Facts<'_>) -> String {
         field("revision").map(|revision| format!("revision {}", short(revision))),
         quick.map(|_| "a quick run: times say little".into()),
     ];
-    parts.into_iter().flatten().collect::<Vec<_>>().join(" · ")
+    known.into_iter().flatten().collect::<Vec<_>>().join(" · ")
 }
 
 /// Returns the question of an experiment with its answers.
-pub(crate) fn answers(part: &Part<'_>, several: bool) -> String {
-    let compared = part.asks_fastest && sections::winners::compared(&part.winners);
-    let mut blocks = vec![Block::heading(3, part.experiment.question.as_str())];
-    blocks.extend(sections::answer::blocks(&part.verdicts, true));
+pub(crate) fn answers(chapter: &Chapter<'_>, several: bool) -> String {
+    let compared = chapter.asks_fastest && sections::winners::compared(&chapter.winners);
+    let mut blocks = vec![Block::heading(3, chapter.experiment.question.as_str())];
+    blocks.extend(sections::answer::blocks(&chapter.verdicts, true));
     // If there is only one experiment, the card already holds the sentence.
-    blocks.extend((compared && several).then(|| Block::Paragraph(part.sentence())));
-    blocks.extend(sections::winners::left_out(&part.winners).filter(|_| compared));
+    blocks.extend((compared && several).then(|| Block::Paragraph(chapter.sentence())));
+    blocks.extend(sections::winners::left_out(&chapter.winners).filter(|_| compared));
     let mut out = document::html(&blocks);
     if compared {
-        out += &fastest(part);
+        out += &fastest(chapter);
     }
-    if let Some(matrix) = &part.matrix {
+    if let Some(matrix) = &chapter.matrix {
         let blocks = document::html(&sections::claims::verdicts::blocks(matrix));
-        out += &details("Who is right, case by case", &blocks, part.winners.contests.is_empty());
+        out += &details("Who is right, case by case", &blocks, chapter.winners.contests.is_empty());
     }
     out
 }
 
 /// Returns the table of the fastest detectors.
-pub(crate) fn fastest(part: &Part<'_>) -> String {
-    let shown = sections::winners::shown(&part.winners);
+pub(crate) fn fastest(chapter: &Chapter<'_>) -> String {
+    let shown = sections::winners::shown(&chapter.winners);
     sections::winners::table(&shown, true, short).html("answer")
 }
 
-fn claims(parts: &[Part<'_>]) -> String {
-    let claimed = parts.iter().filter(|part| !part.verdicts.is_empty());
-    let tables = claimed.map(|part| {
-        let title = escape(&part.experiment.title);
-        let table = Table::of("", &part.verdicts).left("claim", |it| &*it.claim);
+fn claims(chapters: &[Chapter<'_>]) -> String {
+    let claimed = chapters.iter().filter(|chapter| !chapter.verdicts.is_empty());
+    let tables = claimed.map(|chapter| {
+        let title = escape(&chapter.experiment.title);
+        let table = Table::of("", &chapter.verdicts).left("claim", |it| &*it.claim);
         let table = table.left("verdict", verdict);
         let table = table.left("evidence", |it| sections::claims::evidence(&it.evidence));
         let table = Table::from(table.left("source", |it| &*it.source));
@@ -156,9 +156,9 @@ fn verdict(verdict: &Verdict) -> String {
     format!("{sign} {}", verdict.status.name())
 }
 
-fn figures(parts: &[Part<'_>]) -> String {
+fn figures(chapters: &[Chapter<'_>]) -> String {
     let (mut out, mut room) = (String::new(), FIGURE_BYTES);
-    for (title, path) in parts.iter().flat_map(|part| &part.figures) {
+    for (title, path) in chapters.iter().flat_map(|chapter| &chapter.figures) {
         let title = escape(title);
         let name = escape(&path.file_name().unwrap_or_default().to_string_lossy());
         let svg = std::fs::read_to_string(path).ok().filter(|svg| svg.len() <= room);
@@ -175,8 +175,8 @@ fn figures(parts: &[Part<'_>]) -> String {
     if out.is_empty() { "<p>The experiments ask for no figures.</p>".into() } else { out }
 }
 
-fn outcomes(parts: &[Part<'_>]) -> String {
-    let found = parts.iter().map(|part| failures(&part.cells));
+fn outcomes(chapters: &[Chapter<'_>]) -> String {
+    let found = chapters.iter().map(|chapter| failures(&chapter.cells));
     let tables = found.filter(|found| !found.is_empty());
     match &*tables.map(|found| sections::trust::failures::table(&found)).collect::<Vec<_>>() {
         [] => "<p>Every cell has a right answer.</p>".into(),
@@ -184,21 +184,21 @@ fn outcomes(parts: &[Part<'_>]) -> String {
     }
 }
 
-fn tables(part: &Part<'_>) -> String {
-    let reading = code(&part.experiment.reading);
-    let tables = document::html(&part.tables);
+fn tables(chapter: &Chapter<'_>) -> String {
+    let reading = code(&chapter.experiment.reading);
+    let tables = document::html(&chapter.tables);
     let body = format!("<p><em>How to read the figures:</em> {reading}</p>{tables}");
-    details(&escape(&part.experiment.title), &body, false)
+    details(&escape(&chapter.experiment.title), &body, false)
 }
 
 /// Formats a text whose words in backticks are code.
 pub(crate) fn code(text: &str) -> String {
-    let parts = text.split('`').enumerate();
-    let format = |(k, part): (usize, &str)| match k % 2 {
-        0 => escape(part),
-        _ => format!("<code>{}</code>", escape(part)),
+    let pieces = text.split('`').enumerate();
+    let format = |(k, piece): (usize, &str)| match k % 2 {
+        0 => escape(piece),
+        _ => format!("<code>{}</code>", escape(piece)),
     };
-    parts.map(format).collect()
+    pieces.map(format).collect()
 }
 
 fn details(head: &str, body: &str, open: bool) -> String {

@@ -1,7 +1,7 @@
 use serde_json::Value;
 
 use crate::document::{self, Block, Text};
-use crate::report::Origin;
+use crate::facts::Origin;
 use crate::sections::trust::conditions;
 use contactbench_terms::text::html as escape;
 

@@ -1,14 +1,14 @@
 use serde_json::Value;
 
-use super::{Facts, Part};
 use crate::document::{Block, Text};
+use crate::facts::{Chapter, Facts};
 use crate::page::origin::{command, shown};
 use crate::sections;
 
 impl Facts<'_> {
     pub fn title(&self) -> &str {
-        match &self.parts[..] {
-            [part] => &part.experiment.title,
+        match &self.chapters[..] {
+            [chapter] => &chapter.experiment.title,
             _ => "Contact detection: results",
         }
     }
@@ -17,12 +17,15 @@ impl Facts<'_> {
         let paragraph = |text: &String| Block::paragraph(text.as_str());
         let mut out: Vec<Block> = self.wrong.iter().map(paragraph).collect();
         out.extend(self.alerts.iter().cloned());
-        for part in &self.parts {
-            let mut said =
-                part.matrix.as_ref().map(sections::claims::verdicts::terminal).unwrap_or_default();
-            said.extend(part.answers(false));
+        for chapter in &self.chapters {
+            let mut said = chapter
+                .matrix
+                .as_ref()
+                .map(sections::claims::verdicts::terminal)
+                .unwrap_or_default();
+            said.extend(chapter.answers(false));
             if !said.is_empty() {
-                let experiment = part.experiment;
+                let experiment = chapter.experiment;
                 let head = format!("{}: {}", experiment.name, experiment.title);
                 out.extend([Block::heading(2, head), Block::paragraph(&*experiment.question)]);
                 out.extend(said);
@@ -35,7 +38,7 @@ impl Facts<'_> {
 
     pub(super) fn report(&self) -> Vec<Block> {
         let mut out = self.head();
-        self.parts.iter().for_each(|part| part.section(&mut out));
+        self.chapters.iter().for_each(|chapter| chapter.section(&mut out));
         self.foot(&mut out);
         out
     }
@@ -46,14 +49,14 @@ impl Facts<'_> {
         let mut out = vec![Block::heading(1, self.title())];
         out.extend(self.wrong.iter().map(warning));
         out.extend(self.alerts.iter().cloned());
-        for part in &self.parts {
-            out.push(Block::Paragraph(Text::new().strong(part.experiment.question.as_str())));
-            out.extend(part.answers(true));
+        for chapter in &self.chapters {
+            out.push(Block::Paragraph(Text::new().strong(chapter.experiment.question.as_str())));
+            out.extend(chapter.answers(true));
         }
         out.push(Block::heading(2, "The record"));
         match &*self.verdicts {
             [] => out.push(Block::paragraph("No claims were checked.")),
-            all if self.parts.len() > 1 => {
+            all if self.chapters.len() > 1 => {
                 out.push(Block::paragraph(sections::claims::score(all) + "."));
             }
             _ => {}
@@ -78,11 +81,10 @@ impl Facts<'_> {
         let lines = include_str!("legend.txt").lines().filter_map(|line| line.split_once(": "));
         let line = |(term, text)| Text::new().emphasis(term).plain(format!(": {text}"));
         out.push(Block::List(lines.map(line).collect()));
-        let text = Text::from("All values, one line per cell, are in ").code("summary.csv");
-        let text = text.plain(", all measurements in the record, ").code("samples.jsonl");
-        let text = text.plain(" (or .gz), the pictures in figures/. ");
-        out.push(Block::Paragraph(text.code("contactbench report FOLDER").plain(
-            " makes this report and report.html, which contains the pictures, from the record. \
+        out.push(Block::Paragraph(Text::marked(
+            "All values, one line per cell, are in `summary.csv`, all measurements in the record, \
+             `samples.jsonl` (or .gz), the pictures in figures/. `contactbench report FOLDER` makes \
+             this report and report.html, which contains the pictures, from the record. \
              docs/BIAS.md lists the ways in which this comparison is unfair.",
         )));
         if let Some(Value::Object(fields)) = self.provenance() {
@@ -108,7 +110,7 @@ fn program(fields: &Value) -> String {
     }
 }
 
-impl Part<'_> {
+impl Chapter<'_> {
     fn answers(&self, with_evidence: bool) -> Vec<Block> {
         let mut out = sections::answer::blocks(&self.verdicts, with_evidence);
         out.extend(self.fastest(with_evidence));

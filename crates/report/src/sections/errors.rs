@@ -11,20 +11,14 @@ use contactbench_terms::number::{percent, radii, times};
 
 pub fn section(about: &About<'_>) -> Option<Section> {
     let found = ErrorTable::new(about.cells)?;
-    let how = Text::from("Pairs missed / pairs added, by cause: the ")
-        .emphasis("representation")
-        .plain(" of the scene (its coordinates rounded, then decided exactly), the ")
-        .emphasis("predicate")
-        .plain(" (the arithmetic's contact test on all pairs of the stored scene), the ")
-        .emphasis("search")
-        .plain(" (which pairs the detector tested). ")
-        .emphasis("Together")
-        .plain(
-            " compares the answer with exact decisions on the scene as given; errors of two causes \
-             can cancel. The error rate is the number of wrong pairs over that of true contacts. \
-             Depths and gaps are in mean radii of the pair: a miss of 0 r is a pair that just \
-             touches.",
-        );
+    let how = Text::marked(
+        "Pairs missed / pairs added, by cause: the *representation* of the scene (its coordinates \
+         rounded, then decided exactly), the *predicate* (the arithmetic's contact test on all \
+         pairs of the stored scene), the *search* (which pairs the detector tested). *Together* \
+         compares the answer with exact decisions on the scene as given; errors of two causes can \
+         cancel. The error rate is the number of wrong pairs over that of true contacts. Depths \
+         and gaps are in mean radii of the pair: a miss of 0 r is a pair that just touches.",
+    );
     let blocks = vec![Block::Paragraph(how), Block::Table(table(&found))];
     Some(Section::new("Against the exact truth", blocks))
 }
@@ -38,10 +32,7 @@ pub fn answer(cells: &[&Measured]) -> Option<Text> {
     }
     let mut worst = Vec::from_iter(worst);
     worst.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let part = |(name, share): (String, f64)| match share {
-        0.0 => format!("{name} none"),
-        share => format!("{name} up to {}", percent(share)),
-    };
+    let part = |(name, share): (String, f64)| format!("{name} up to {}", percent(share));
     let parts: Vec<String> = worst.into_iter().map(part).collect();
     let out = Text::new().strong("Wrong pairs per true contact:");
     let out = out.plain(format!(" {}.", parts.join(", ")));

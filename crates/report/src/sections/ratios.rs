@@ -40,19 +40,13 @@ pub fn section(about: &About<'_>) -> Option<Section> {
 }
 
 fn blocks(found: &Ratios) -> Vec<Block> {
-    let how = Text::from(
+    let how = Text::marked(
         "Each number is the time over that of the reference: the median of the ratios within a \
          block, and its interval. Below 1 is faster than the reference, which runs with one \
-         thread, in the same arithmetic if it has it, else exactly. ",
+         thread, in the same arithmetic if it has it, else exactly. *wrong (0.45)* is a wrong \
+         answer, whose time means nothing; other words give the reason why there is no time. All \
+         ratios are in `ratios.csv`.",
     );
-    let how = how
-        .emphasis("wrong (0.45)")
-        .plain(
-            " is a wrong answer, whose time means nothing; other words give the reason why there \
-             is no time. All ratios are in ",
-        )
-        .code("ratios.csv")
-        .plain(".");
     let mut out = Vec::new();
     if !found.libraries.is_empty() {
         out.push(Block::Paragraph(headline(found)));
@@ -116,7 +110,7 @@ fn cell(n: u64, entry: &Entry) -> Cell {
 }
 
 #[derive(Clone, Copy)]
-struct Row<'a> {
+struct RatioRow<'a> {
     experiment: &'a str,
     scene: &'a str,
     n: u64,
@@ -132,15 +126,21 @@ fn rows(found: &Ratios) -> Table {
         for LineValues { line, values, .. } in lines {
             for (&n, entry) in entries.sizes.iter().zip(values) {
                 let scene = entries.title.as_str();
-                all.extend(entry.iter().map(|entry| Row { experiment, scene, n, line, entry }));
+                all.extend(entry.iter().map(|entry| RatioRow {
+                    experiment,
+                    scene,
+                    n,
+                    line,
+                    entry,
+                }));
             }
         }
     }
-    let outcome = |it: Row<'_>| match it.entry.control && it.entry.outcome.is_good() {
+    let outcome = |it: RatioRow<'_>| match it.entry.control && it.entry.outcome.is_good() {
         true => "control",
         false => it.entry.outcome.name(),
     };
-    let end = |k: usize| move |it: Row<'_>| Some(it.entry.ratio.as_ref()?.ends()?[k]);
+    let end = |k: usize| move |it: RatioRow<'_>| Some(it.entry.ratio.as_ref()?.ends()?[k]);
     Table::of("", all)
         .left("experiment", |it| it.experiment)
         .left("scene", |it| it.scene)

@@ -24,13 +24,13 @@ pub fn answer(cells: &[&Measured]) -> Vec<Block> {
 }
 
 fn blocks(found: &Threads) -> Vec<Block> {
-    let how = Text::from(
+    let how = Text::marked(
         "Speed-up: the time with one thread over the time with several. Ceiling: the throughput of \
          as many independent copies of the one-thread program, run at the same time, over that of \
          one copy alone. Fraction: speed-up over ceiling; it may exceed 100%, because threads \
-         share cache lines and copies do not. All are paired within blocks; the numbers are in ",
+         share cache lines and copies do not. All are paired within blocks; the numbers are in \
+         `threads.csv`.",
     );
-    let how = how.code("threads.csv").plain(".");
     let sentences = found.typical.iter().map(|typical| Block::Paragraph(sentence(typical)));
     let table = Block::Table(table(found));
     sentences.chain([Block::Paragraph(how), table]).collect()

@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use crate::document::{self, Block, Text};
+use crate::facts::{Chapter, Facts};
 use crate::figure::style::Styles;
 use crate::page;
-use crate::report::{Facts, Part};
 use crate::table::{Cell as Entry, Table};
 use contactbench_record::cells::{Cell, cells};
 use contactbench_record::experiment::Experiment;
@@ -142,7 +142,10 @@ impl<'a> Record<'a> {
 
     /// Returns the first question of the record.
     fn question(&self) -> &str {
-        self.facts.parts.first().map_or(self.facts.title(), |part| &part.experiment.question)
+        self.facts
+            .chapters
+            .first()
+            .map_or(self.facts.title(), |chapter| &chapter.experiment.question)
     }
 
     /// Returns the page: for each experiment its question, answers and first figure.
@@ -156,14 +159,14 @@ impl<'a> Record<'a> {
         let made = Text::from(format!("{}, {}, program ", self.day, self.cpu));
         blocks.push(Block::Paragraph(made.code(&*self.revision).plain(".")));
         let mut out = document::html(&blocks) + &page::legend(facts.cells, &facts.styles);
-        for part in &facts.parts {
-            out += &page::answers(part, true);
-            for (title, path) in &part.figures {
+        for chapter in &facts.chapters {
+            out += &page::answers(chapter, true);
+            for (title, path) in &chapter.figures {
                 let title = escape(title);
                 let svg = std::fs::read_to_string(path).unwrap_or_default();
                 out += &format!("<figure>{svg}<figcaption>{title}</figcaption></figure>\n");
             }
-            out += &format!("<p class=\"note\">{}</p>\n", page::code(&part.experiment.reading));
+            out += &format!("<p class=\"note\">{}</p>\n", page::code(&chapter.experiment.reading));
         }
         out
     }
@@ -200,24 +203,24 @@ impl Site<'_> {
 
     /// Returns the scene with the shortest description of those with five libraries. Without such a
     /// scene, it is the one with most libraries. If several match, it is the last.
-    fn best(&self) -> Option<(&Record<'_>, &Part<'_>, &Contest)> {
+    fn best(&self) -> Option<(&Record<'_>, &Chapter<'_>, &Contest)> {
         let library = |name: &&str| !(self.about)(name).is_some_and(|about| about.ours);
         let libraries = |it: &Contest| {
             let names = it.others.iter().map(|it| &*it.name);
             names.chain(it.without.iter().map(|it| &*it.0)).filter(library).count()
         };
-        let parts = self
+        let chapters = self
             .records
             .iter()
-            .flat_map(|record| record.facts.parts.iter().map(move |part| (record, part)));
-        parts
-            .filter(|(_, part)| part.asks_fastest)
-            .flat_map(|(record, part)| {
-                part.winners.contests.iter().map(move |contest| (record, part, contest))
+            .flat_map(|record| record.facts.chapters.iter().map(move |chapter| (record, chapter)));
+        chapters
+            .filter(|(_, chapter)| chapter.asks_fastest)
+            .flat_map(|(record, chapter)| {
+                chapter.winners.contests.iter().map(move |contest| (record, chapter, contest))
             })
             .max_by_key(|(record, _, contest)| {
-                let parts = contest.title.split(',').count();
-                (record.sound(), !record.older, libraries(contest).min(5), Reverse(parts))
+                let chapters = contest.title.split(',').count();
+                (record.sound(), !record.older, libraries(contest).min(5), Reverse(chapters))
             })
     }
 
@@ -227,18 +230,18 @@ impl Site<'_> {
              Every detector here read the same particles and was timed in turns with the others; \
              every answer was compared with the exact truth.</p>\n",
         );
-        if let Some((record, part, contest)) = self.best() {
+        if let Some((record, chapter, contest)) = self.best() {
             let (cpu, day, page) = (escape(&record.cpu), escape(&record.day), record.page());
             out += &format!(
                 "<div class=\"card speed\"><p>{}</p></div>\n{}<p class=\"note\">{cpu}, {day}. <a \
                  href=\"{page}\">All scenes of this record</a></p>\n",
-                document::inline_html(&part.sentence()),
+                document::inline_html(&chapter.sentence()),
                 bars(contest),
             );
         }
         let brief = |record: &Record<'_>| -> Vec<String> {
-            let parts = record.facts.parts.iter();
-            parts.filter_map(|part| Some(document::words(&part.brief()?))).collect()
+            let chapters = record.facts.chapters.iter();
+            chapters.filter_map(|chapter| Some(document::words(&chapter.brief()?))).collect()
         };
         let table: Table = Table::of("", self.records)
             .left("question", |it| Entry::Link(it.question().into(), it.page()))

@@ -22,7 +22,7 @@ const GAP: f64 = 16.0;
 const HEAD: f64 = 24.0;
 const NOTE: Text = Text::new(16.0, FAINT);
 
-struct Sheet<'a> {
+struct Layout<'a> {
     about: &'a About<'a>,
     options: &'a Lines,
     plot: &'a Plot,
@@ -38,10 +38,10 @@ struct Sheet<'a> {
 
 pub fn svg(about: &About<'_>, options: &Lines) -> anyhow::Result<Option<String>> {
     let Some(plot) = Plot::new(about, options)? else { return Ok(None) };
-    let sheet = Sheet::new(about, options, &plot);
-    let lines = plot.keys().len() + plot.outcomes().len() + sheet.shared.caches.len();
-    let height = (sheet.bottom + 76.0).max(sheet.top + 26.0 * lines as f64 + 190.0);
-    Ok(Some(canvas::svg([WIDTH, height.clamp(300.0, 8000.0)], |canvas| sheet.draw(canvas))))
+    let layout = Layout::new(about, options, &plot);
+    let lines = plot.keys().len() + plot.outcomes().len() + layout.shared.caches.len();
+    let height = (layout.bottom + 76.0).max(layout.top + 26.0 * lines as f64 + 190.0);
+    Ok(Some(canvas::svg([WIDTH, height.clamp(300.0, 8000.0)], |canvas| layout.draw(canvas))))
 }
 
 /// Formats a size such as `48 KiB` or `2 MiB`.
@@ -57,8 +57,8 @@ fn namer(plot: &Plot) -> impl Fn(&CurveKey) -> String {
     }
 }
 
-impl<'a> Sheet<'a> {
-    fn new(about: &'a About<'_>, options: &'a Lines, plot: &'a Plot) -> Sheet<'a> {
+impl<'a> Layout<'a> {
+    fn new(about: &'a About<'_>, options: &'a Lines, plot: &'a Plot) -> Layout<'a> {
         let dims: BTreeSet<u32> = plot.panels.iter().map(|panel| panel.dim).collect();
         let scenes: BTreeSet<&str> = plot.panels.iter().map(|panel| &*panel.scene).collect();
         let count = plot.panels.len();
@@ -103,7 +103,7 @@ impl<'a> Sheet<'a> {
         };
         let bottom = top + rows * (down + HEAD) + (rows - 1.0) * GAP;
         let panel = (across, down);
-        Sheet { about, options, plot, subtitle, columns, legend, gap, top, bottom, panel, shared }
+        Layout { about, options, plot, subtitle, columns, legend, gap, top, bottom, panel, shared }
     }
 
     fn draw(&self, canvas: &mut Canvas) {

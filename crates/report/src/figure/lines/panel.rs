@@ -160,21 +160,17 @@ impl Area<'_> {
         for (model, name) in
             [(Model::Quadratic, "N²"), (Model::Linearithmic, "N log N"), (Model::Linear, "N")]
         {
-            let mut path = Vec::new();
-            for step in 0..=60 {
-                let place = start + (1.0 - start) * f64::from(step) / 60.0;
-                let x = shared.x.value(place);
+            let cost = |x: f64| {
                 let growth = model.at(x) / model.at(first.x);
-                let value = if shared.per_particle {
-                    first.y * growth * first.x / x
-                } else {
-                    0.5 * first.y * growth
-                };
-                let Some(y) = self.y(value).filter(|y| *y >= top) else { break };
-                if y <= bottom {
-                    path.push((self.low.0 + place * (self.high.0 - self.low.0), y));
-                }
-            }
+                first.y * if shared.per_particle { growth * first.x / x } else { 0.5 * growth }
+            };
+            let at = |step: u32| {
+                let place = start + (1.0 - start) * f64::from(step) / 30.0;
+                let x = self.low.0 + place * (self.high.0 - self.low.0);
+                Some((x, self.y(cost(shared.x.value(place)))?))
+            };
+            let path = (0..=30).map_while(at).take_while(|at| at.1 >= top);
+            let path: Vec<Point> = path.filter(|at| at.1 <= bottom).collect();
             canvas.dashed(&path, (175, 175, 175), 1.0, Some("6 5"));
             match path.last().filter(|_| path.len() > 1) {
                 Some(&(x, y)) if x < self.high.0 - 1.0 => {

@@ -33,13 +33,13 @@ pub struct Panel {
     pub missing: Vec<(String, Outcome)>,
 }
 
-pub struct Row {
+pub struct PanelRow {
     pub title: String,
     pub panels: Vec<Panel>,
 }
 
 pub struct Plot {
-    pub rows: Vec<Row>,
+    pub rows: Vec<PanelRow>,
     /// Arithmetics, from the least to the most accurate.
     pub arithmetics: Vec<String>,
     pub detectors: Vec<String>,
@@ -81,9 +81,9 @@ impl Plot {
                 let title = value.as_ref().map(|value| format!("{name} = {}", shown(value)));
                 Panel::new(title.unwrap_or_default(), cells, options.against, &arithmetics)
             });
-            Row { title, panels: panels.collect() }
+            PanelRow { title, panels: panels.collect() }
         });
-        let rows: Vec<Row> = rows.collect();
+        let rows: Vec<PanelRow> = rows.collect();
         let detectors = ranked(chosen, detector);
         let plot = Plot { rows, arithmetics, detectors };
         let some = plot.marks().next().is_some();

@@ -27,7 +27,7 @@ const LEGEND: f64 = 206.0;
 const NAME: Text = Text::new(18.0, INK);
 const WORDS: Text = Text::new(16.0, INK);
 
-struct Sheet<'a> {
+struct Layout<'a> {
     about: &'a About<'a>,
     against: Against,
     plot: &'a Plot,
@@ -43,15 +43,15 @@ struct Sheet<'a> {
 
 pub fn svg(about: &About<'_>, options: &SpeedError) -> anyhow::Result<Option<String>> {
     let Some(plot) = Plot::new(about, options)? else { return Ok(None) };
-    let sheet = Sheet::new(about, options.against, &plot);
+    let layout = Layout::new(about, options.against, &plot);
     let names = plot.detectors.len() + plot.arithmetics.len() + plot.outcomes().len();
     let legend = 26.0 * names as f64 + if plot.skins() { 356.0 } else { 330.0 };
-    let height = (sheet.bottom() + 74.0).max(sheet.top + legend).clamp(300.0, 8000.0);
-    Ok(Some(canvas::svg([WIDTH, height], |canvas| sheet.draw(canvas))))
+    let height = (layout.bottom() + 74.0).max(layout.top + legend).clamp(300.0, 8000.0);
+    Ok(Some(canvas::svg([WIDTH, height], |canvas| layout.draw(canvas))))
 }
 
-impl<'a> Sheet<'a> {
-    fn new(about: &'a About<'_>, against: Against, plot: &'a Plot) -> Sheet<'a> {
+impl<'a> Layout<'a> {
+    fn new(about: &'a About<'_>, against: Against, plot: &'a Plot) -> Layout<'a> {
         let room = WIDTH - 2.0 * MARGIN - LEFT - NAMES - LEGEND;
         let stored = match against {
             Against::Given => "given.",
@@ -70,7 +70,7 @@ impl<'a> Sheet<'a> {
         let right = plot.marks().filter(|mark| mark.rate == 0.0).map(|mark| mark.time);
         let right = right.fold(0.0, f64::max);
         let limit = if right > 0.0 { 3.0 * right } else { f64::INFINITY };
-        Sheet {
+        Layout {
             about,
             against,
             plot,
@@ -103,7 +103,7 @@ impl<'a> Sheet<'a> {
             for (column, panel) in row.panels.iter().enumerate() {
                 let left = MARGIN + LEFT + column as f64 * (self.across + GAP);
                 let below = rows.get(k + 1).is_some_and(|below| below.panels.len() > column);
-                let small = SmallPanel { sheet: self, left, top: top + HEADINGS };
+                let small = SmallPanel { layout: self, left, top: top + HEADINGS };
                 let middle = left + self.across / 2.0;
                 canvas.text(&panel.title, (middle, top + 47.0), WORDS.centred());
                 small.grid(canvas, column == 0, !below);

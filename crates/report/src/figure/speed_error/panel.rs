@@ -2,7 +2,7 @@
 
 use crate::figure::axis::plain;
 use crate::figure::canvas::{Canvas, Point, Text, slanted, upright};
-use crate::figure::speed_error::Sheet;
+use crate::figure::speed_error::Layout;
 use crate::figure::speed_error::data::{Mark, Panel};
 use crate::figure::style::{Colour, FAINT, FRAME, GRID, INK, letter};
 
@@ -38,20 +38,20 @@ pub fn shape(canvas: &mut Canvas, (x, y): Point, r: f64, arithmetic: &str, colou
 }
 
 pub struct SmallPanel<'a> {
-    pub sheet: &'a Sheet<'a>,
+    pub layout: &'a Layout<'a>,
     pub left: f64,
     pub top: f64,
 }
 
 impl SmallPanel<'_> {
     fn right(&self) -> f64 {
-        self.left + self.sheet.across
+        self.left + self.layout.across
     }
 
     /// Returns top and bottom of the strip for subjects without errors.
     fn field(&self) -> (f64, f64) {
         let top = self.top + SCALE + BREAK;
-        (top, top + self.sheet.zero)
+        (top, top + self.layout.zero)
     }
 
     pub fn lane(&self, arithmetic: usize) -> f64 {
@@ -59,7 +59,7 @@ impl SmallPanel<'_> {
     }
 
     fn x(&self, time: f64) -> Option<f64> {
-        Some(self.left + self.sheet.x.place(time)? * self.sheet.across)
+        Some(self.left + self.layout.x.place(time)? * self.layout.across)
     }
 
     fn y(&self, mark: &Mark) -> Option<f64> {
@@ -70,7 +70,7 @@ impl SmallPanel<'_> {
     }
 
     fn scale(&self, rate: f64) -> Option<f64> {
-        Some(self.top + ROOM + (SCALE - 2.0 * ROOM) * (1.0 - self.sheet.y.place(rate)?))
+        Some(self.top + ROOM + (SCALE - 2.0 * ROOM) * (1.0 - self.layout.y.place(rate)?))
     }
 
     fn at(&self, mark: &Mark) -> Option<Point> {
@@ -78,9 +78,9 @@ impl SmallPanel<'_> {
     }
 
     pub fn grid(&self, canvas: &mut Canvas, y_labels: bool, x_labels: bool) {
-        let (sheet, left, right, field) = (self.sheet, self.left, self.right(), self.field());
+        let (layout, left, right, field) = (self.layout, self.left, self.right(), self.field());
         canvas.rect((left, field.0), (right, field.1), ZERO);
-        for (value, label) in sheet.x.ticks(sheet.across, 50.0) {
+        for (value, label) in layout.x.ticks(layout.across, 50.0) {
             let Some(x) = self.x(value) else { continue };
             canvas.line(&[(x, self.top), (x, self.top + SCALE)], GRID, 1.0);
             canvas.line(&[(x, field.0), (x, field.1)], (208, 226, 212), 1.0);
@@ -88,7 +88,7 @@ impl SmallPanel<'_> {
                 canvas.text(&label, (x, field.1 + 14.0), LABEL.centred());
             }
         }
-        for (value, label) in sheet.y.ticks(SCALE, 26.0) {
+        for (value, label) in layout.y.ticks(SCALE, 26.0) {
             let Some(y) = self.scale(value) else { continue };
             canvas.line(&[(left, y), (right, y)], GRID, 1.0);
             if label.is_some() && y_labels {
@@ -110,7 +110,7 @@ impl SmallPanel<'_> {
     pub fn marks(&self, canvas: &mut Canvas, panel: &Panel) {
         let right = self.right();
         let (shown, slow): (Vec<&Mark>, Vec<&Mark>) =
-            panel.marks.iter().partition(|mark| mark.time <= self.sheet.limit);
+            panel.marks.iter().partition(|mark| mark.time <= self.layout.limit);
         self.stairs(canvas, &shown);
         let inside = |x: f64| x.clamp(self.left, right);
         for mark in &shown {
@@ -142,7 +142,7 @@ impl SmallPanel<'_> {
         for (k, (detector, outcome)) in panel.missing.iter().enumerate() {
             let x = right - 10.0 - 17.0 * k as f64;
             if x > self.left + 8.0 {
-                let colour = self.sheet.about.styles.get(detector).colour;
+                let colour = self.layout.about.styles.get(detector).colour;
                 canvas.badge((x, self.top + 10.0), letter(*outcome).0, colour);
             }
         }
@@ -159,11 +159,11 @@ impl SmallPanel<'_> {
     }
 
     fn shape(&self, canvas: &mut Canvas, at: Point, mark: &Mark) {
-        let arithmetic = &self.sheet.plot.arithmetics[mark.arithmetic];
+        let arithmetic = &self.layout.plot.arithmetics[mark.arithmetic];
         shape(canvas, at, 4.6, arithmetic, self.colour(mark));
     }
 
     fn colour(&self, mark: &Mark) -> Colour {
-        self.sheet.about.styles.get(&mark.detector).colour
+        self.layout.about.styles.get(&mark.detector).colour
     }
 }

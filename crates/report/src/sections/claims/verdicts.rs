@@ -6,23 +6,15 @@ use contactbench_record::record::column;
 use contactbench_terms::number::plural;
 
 pub fn blocks(found: &Matrix) -> Vec<Block> {
-    let how = Text::from(
+    let how = Text::marked(
         "An answer is right if it has exactly the pairs that touch in exact arithmetic in the \
          scene as given. The first table counts the answers of each kind. The second lists the \
          cases with an answer that is not right: -3 +1 means three pairs missed and one added (by \
-         the predicate, or by the representation of the scene), ",
-    )
-    .emphasis("lossy")
-    .plain(" (a textbook filter lost contacts), ")
-    .emphasis("refused")
-    .plain(", ")
-    .emphasis("DEFECT")
-    .plain(
-        " (not the answer of the detector's own arithmetic). Detectors that are not named are \
-         right. Every answer, and each reason, is in ",
-    )
-    .code("verdicts.csv")
-    .plain(".");
+         the predicate, or by the representation of the scene), *lossy* (a textbook filter lost \
+         contacts), *refused*, *DEFECT* (not the answer of the detector's own arithmetic). \
+         Detectors that are not named are right. Every answer, and each reason, is in \
+         `verdicts.csv`.",
+    );
     let mut out = vec![Block::Paragraph(how), Block::Table(totals(found))];
     if !found.lines.is_empty() {
         out.push(Block::Table(lines(found)));

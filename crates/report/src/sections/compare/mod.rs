@@ -65,40 +65,33 @@ fn builds([a, b]: &[String; 2]) -> String {
     format!("A is a {a} build, B a {b} build")
 }
 
+/// Describes how times are compared, or why they are not judged.
 pub fn pairing(how: &Options) -> String {
-    if how.side_by_side.is_some() {
-        return "side by side: in each block both took turns on one processor, in fresh processes"
-            .into();
-    }
-    match (&how.against, &how.builds, &how.machines) {
-        (_, Some(found), _) => format!("{}: shown, not judged", builds(found)),
-        (Some(_), _, Some(found)) if !how.across => format!(
-            "{}: shown, not judged; --across-machines judges multiples of a control's time",
-            machines(found)
-        ),
-        (Some(Against { detector, drift: None }), ..) => {
-            format!("shown, not judged: {detector} has no times on a scene of both")
+    let against = how.against.as_ref();
+    let why = match (&how.builds, &how.machines, against) {
+        _ if how.side_by_side.is_some() => {
+            return "side by side: both took turns in each block, in fresh processes".into();
         }
-        (Some(Against { detector, drift: Some(drift) }), ..) => format!(
-            "multiples of the time of {detector} in the same block, which hide a change of \
-             {detector} itself. In nine cells of ten, its own times differ by less than {} between \
-             the two records: smaller changes are not reported",
-            match *drift < 2.0 {
-                true => percent(drift - 1.0),
-                false => format!("a factor of {drift:.1}"),
-            }
-        ),
-        (None, _, Some(found)) => format!(
-            "{}: shown, not judged; --against DETECTOR --across-machines judges multiples of its \
-             time",
-            machines(found)
-        ),
-        (None, None, None) => "shown, not judged: the folders were measured at different times, \
-                               and have no control in common; --against DETECTOR compares \
-                               multiples of its time; builds are compared side by side with \
-                               contactbench run --against PROGRAM"
+        (Some(found), ..) => builds(found),
+        (_, Some(found), _) if against.is_none() || !how.across => {
+            format!("{}; --against DETECTOR --across-machines judges multiples", machines(found))
+        }
+        (.., Some(Against { detector, drift: Some(drift) })) => {
+            return format!(
+                "multiples of the time of {detector} in the same block. In nine cells of ten, its \
+                 own times differ by less than {}: smaller changes are not reported",
+                seen(*drift)
+            );
+        }
+        (.., Some(Against { detector, .. })) => {
+            format!("{detector} has no times on a scene of both")
+        }
+        (.., None) => "the folders were measured at different times; --against DETECTOR compares \
+                       multiples of its time; contactbench run --against PROGRAM compares builds \
+                       side by side"
             .into(),
-    }
+    };
+    format!("shown, not judged: {why}")
 }
 
 /// Describes how far the times of equal code differed while two builds took turns.
@@ -176,36 +169,31 @@ pub fn ungated(found: &Summary, how: &Options) -> Option<String> {
         (Some(two), ..) => Some(format!("no time could be judged ({})", machines(two))),
         (_, Some((name, factor)), _) => Some(moved(name, *factor)),
         (.., None) => Some(format!(
-            "no time could be judged ({}; an interval needs six blocks); leave it out, or measure \
-             what can be compared",
+            "no time could be judged ({}; an interval needs six blocks); leave --gate-time out",
             pairing(how)
         )),
-        (.., Some((typical, _))) if !found.sees() => {
-            let but = match how.side_by_side {
-                Some(_) => "give it more blocks, or a quieter machine",
-                None => "use contactbench run --against PROGRAM",
-            };
-            let seen = seen(typical);
-            Some(format!("this comparison can only find slowdowns above {seen}: {but}"))
-        }
+        (.., Some((typical, _))) if !found.sees() => Some(format!(
+            "this comparison can only find slowdowns above {}: give it more blocks, or use \
+             contactbench run --against PROGRAM",
+            seen(typical)
+        )),
         _ => (!found.decides()).then(|| "every cell is undecided; give it more blocks".into()),
     }
 }
 
 pub fn pooled((name, ratio): &(String, Interval)) -> String {
     let Interval { median, low, high, coverage, count } = ratio;
-    let interval = if *coverage < COVERAGE {
-        "; too few cells for an interval".into()
-    } else {
-        format!(", 95% interval {low:.3} to {high:.3}")
+    let interval = match *coverage < COVERAGE {
+        true => "too few for an interval".into(),
+        false => format!("95% interval {low:.3} to {high:.3}"),
     };
-    format!("{name}: B / A {median:.3}, the median of {}{interval}", plural(*count, "cell"))
+    format!("{name}: B / A {median:.3}, the median of {}, {interval}", plural(*count, "cell"))
 }
 
 pub fn placement() -> String {
     format!(
-        "two builds of equal sources differ by up to {}, since the linker places the code \
-         differently (docs/COMPARE.md): smaller differences are called neither slower nor faster",
+        "two builds of equal sources differ by up to {} (docs/COMPARE.md): smaller differences are \
+         called neither slower nor faster",
         percent(PLACEMENT - 1.0)
     )
 }
@@ -216,11 +204,11 @@ pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
         0 => "the same everywhere".into(),
         changed => format!("CHANGED in {}", plural(changed, "cell")),
     };
-    let lacking = match found.lacking {
-        0 => String::new(),
-        lacking => format!(", {lacking} measured in part in one: see --all"),
-    };
     let compared = plural(found.cells - found.absent, "cell");
+    let mut counts = format!("{compared} compared, {} in one only", found.absent);
+    if found.lacking > 0 {
+        counts += &format!(", {} measured in part in one: see --all", found.lacking);
+    }
     let count = |(verdict, count): (&Judgement, &usize)| match (verdict, found.small) {
         (Judgement::WithinBand, small @ 1..) => {
             format!("{count} {} ({small} of them not 1)", verdict.name())
@@ -231,19 +219,14 @@ pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
     let mut judged = if judged.is_empty() { "none".into() } else { judged.join(", ") };
     if let Some((typical, most)) = found.least {
         judged += &format!(
-            "; only slowdowns above {} would show in a typical cell, above {} in the worst; {:.1} \
-             cells of equal code are expected to be slower by chance",
+            "; only slowdowns above {} would show in a typical cell, above {} in the worst",
             seen(typical),
             seen(most),
-            found.by_chance
         );
     }
-    let (gate, only) = (if gated { "gated" } else { "not gated" }, found.absent);
+    let gate = if gated { "gated" } else { "not gated" };
     [
-        format!(
-            "pairs, counts, bytes, outcomes: {verdict} ({compared} compared, {only} in one \
-             only{lacking})"
-        ),
+        format!("pairs, counts, bytes, outcomes: {verdict} ({counts})"),
         format!("times ({gate}, band {band_percent} %): {judged}"),
     ]
 }

@@ -1,7 +1,5 @@
 //! The page that `contactbench compare` prints, and its JSON.
 
-use std::fmt::Write;
-
 use serde_json::{Map, Value, json};
 
 use crate::document::indented;
@@ -13,6 +11,9 @@ use contactbench_record::findings::trust::conditions::Conditions;
 use contactbench_record::record::merge::Part;
 use contactbench_record::stats::interval::Interval;
 use contactbench_terms::number::plural;
+
+/// A head and the text after it.
+type Line = (&'static str, String);
 
 /// A comparison, and how it is printed.
 pub struct Page<'a> {
@@ -27,71 +28,77 @@ pub struct Page<'a> {
 
 impl Page<'_> {
     /// Returns the page, at most `width` columns wide.
-    pub fn text(&self, width: usize) -> Result<String, std::fmt::Error> {
-        let Comparison { parts, how, cells, summary } = self.comparison;
-        let mut out = String::new();
-        let measured = |part: &Part| {
-            format!("{}, measured on {}", part.folder.display(), processors(part).join(", "))
+    pub fn text(&self, width: usize) -> String {
+        let Comparison { how, cells, summary, .. } = self.comparison;
+        let times = words::times(cells, how, self.all);
+        let mut below: Vec<Line> =
+            pooled(cells).iter().map(|one| ("pooled: ", words::pooled(one))).collect();
+        below.extend(how.side_by_side.iter().map(|_| ("NOTE: ", words::placement())));
+        let moved = summary.moved.iter();
+        below.extend(moved.map(|(name, factor)| ("NOTE: ", words::moved(name, *factor))));
+        let said = |lines: Vec<Line>| -> String {
+            lines.iter().map(|(head, text)| indented(head, text, width)).collect()
         };
-        let mut say = |head: &str, text: &str| write!(out, "{}", indented(head, text, width));
-        if let Some(two) = &how.machines {
-            say("NOTE: ", &words::machines(two))?;
+        let mut out = said(self.head()) + "\n" + &self.changes();
+        if !times.rows.is_empty() {
+            out += &(times.plain(width) + "\n");
         }
+        out += &said(below);
+        for line in words::summary(summary, self.terms.band, self.gate_time) {
+            out += &(line + "\n");
+        }
+        out + &match self.failed {
+            0 => "compare: passed\n".into(),
+            failed => format!("compare: FAILED in {}\n", plural(failed, "cell")),
+        }
+    }
+
+    /// Returns what is compared, and how.
+    fn head(&self) -> Vec<Line> {
+        let Comparison { parts, how, .. } = self.comparison;
+        let mut out: Vec<Line> =
+            how.machines.iter().map(|two| ("NOTE: ", words::machines(two))).collect();
         if let [a, b] = &parts[..]
             && !self.terms.same_machine
             && records::caches_of_one([a, b])
         {
-            say("NOTE: ", "only one record states cache sizes; taken to be one machine")?;
+            let note = "only one record states cache sizes; taken to be one machine";
+            out.push(("NOTE: ", note.into()));
         }
-        let names: &[&str] =
-            if parts.len() == 1 { &["A: the base, B: this build, in"] } else { &["A:", "B:"] };
+        let names: &[&str] = match parts.len() {
+            1 => &["A: the base, B: this build, in "],
+            _ => &["A: ", "B: "],
+        };
         for (name, part) in names.iter().zip(parts) {
-            say(&format!("{name} "), &measured(part))?;
-            if let Some(said) = doubtful::sentence(&conditions(part)) {
-                say("   ", &said)?;
-            }
+            let (folder, machines) = (part.folder.display(), processors(part).join(", "));
+            out.push((name, format!("{folder}, measured on {machines}")));
+            out.extend(doubtful::sentence(&conditions(part)).map(|said| ("   ", said)));
         }
-        say("times: ", &words::pairing(how))?;
+        out.push(("times: ", words::pairing(how)));
         for (experiment, noise) in how.side_by_side.iter().flatten() {
-            say("floor: ", &words::floor(experiment, noise))?;
+            out.push(("floor: ", words::floor(experiment, noise)));
         }
-        writeln!(out)?;
+        out
+    }
+
+    /// Returns the cells with values that differ, or that only one record has.
+    fn changes(&self) -> String {
+        let cells = &self.comparison.cells;
+        let mut out = String::new();
         for cell in cells.iter().filter(|cell| !cell.changes.is_empty()) {
-            writeln!(out, "CHANGED  {}", cell.place)?;
-            for change in &cell.changes {
-                writeln!(out, "         {}", words::change(change))?;
-            }
+            out += &format!("CHANGED  {}\n", cell.place);
+            let line = |change| format!("         {}\n", words::change(change));
+            out.extend(cell.changes.iter().map(line));
         }
         for cell in cells {
             if let Some(absent) = cell.absent.as_ref().filter(|_| self.all || self.strict) {
-                writeln!(out, "absent   {}: {}", cell.place, absent)?;
+                out += &format!("absent   {}: {absent}\n", cell.place);
             }
             if !cell.lacks.is_empty() {
-                writeln!(out, "lacking  {}: {}", cell.place, cell.lacks.join("; "))?;
+                out += &format!("lacking  {}: {}\n", cell.place, cell.lacks.join("; "));
             }
         }
-        let times = words::times(cells, how, self.all);
-        if !times.rows.is_empty() {
-            writeln!(out, "{}", times.plain(width))?;
-        }
-        let mut say = |head: &str, text: &str| write!(out, "{}", indented(head, text, width));
-        for one in &pooled(cells) {
-            say("pooled: ", &words::pooled(one))?;
-        }
-        if how.side_by_side.is_some() {
-            say("NOTE: ", &words::placement())?;
-        }
-        if let Some((name, factor)) = &summary.moved {
-            say("NOTE: ", &words::moved(name, *factor))?;
-        }
-        for line in words::summary(summary, self.terms.band, self.gate_time) {
-            writeln!(out, "{line}")?;
-        }
-        match self.failed {
-            0 => writeln!(out, "compare: passed")?,
-            failed => writeln!(out, "compare: FAILED in {}", plural(failed, "cell"))?,
-        }
-        Ok(out)
+        out
     }
 
     pub fn json(&self) -> Value {
