@@ -2,7 +2,6 @@ use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
 use contactbench_record::findings::winners::{Alone, Contest, RankedSubject, Tally, Winners, Wins};
-use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::{number, plural, short};
 
 pub const ALL: &str = "Scene by scene";
@@ -155,6 +154,7 @@ mod tests {
     use crate::document::markdown;
     use contactbench_record::cells::testing::Lab;
     use contactbench_record::findings::winners::winners;
+    use contactbench_record::record::row::Outcome;
 
     fn said(lab: &Lab) -> String {
         markdown(&blocks(&lab.find(winners), true))
