@@ -17,8 +17,9 @@
 //! error of at most 4u times the sum of |ga| |x|, and its part below 1 is rounded by less than u.
 //!
 //! **Rounded.** The result of a rounded test depends on rounded images. The truth is therefore that
-//! of the open scene of particles and images that detectors get ([`super::images`]), as stored.
-//! [`truth_as_stored`] decides the same stored scene exactly.
+//! of the open scene of particles and images that detectors get
+//! ([`contactbench_lists::periodic::images`]), as stored. [`truth_as_stored`] decides the same stored
+//! scene exactly.
 
 use crate::oracle;
 pub use crate::oracle::BRUTE_FORCE;

@@ -32,7 +32,7 @@
 //! **Images.** In a periodic box the second centre is shifted by integer multiples of the box's
 //! vectors. The exact test adds the shift as further terms of the difference and never rounds a
 //! shifted centre: [`image`]. Detectors work on rounded positions with a [`Slack`] that covers the
-//! rounding: [`Imaged`], made by [`contactbench_lists::periodic`].
+//! rounding: [`Imaged`], made by `contactbench_lists::periodic`.
 
 pub mod bodies;
 pub mod depth;

@@ -28,7 +28,7 @@
 //! 9η. The bounds for reach and acceptance together are the test's [`Slack`].
 //!
 //! **Rounded positions.** If each position is off by at most E, the exact test has a slack of 2E in
-//! this sense, with distances between the rounded positions: see [`contactbench_lists::periodic`], which also
+//! this sense, with distances between the rounded positions: see `contactbench_lists::periodic`, which also
 //! bounds what remains after all roundings.
 
 use crate::scene::Real;

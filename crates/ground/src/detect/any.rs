@@ -91,7 +91,7 @@ pub enum Searched<'a> {
 pub enum Of<'a, const D: usize> {
     /// A scene in open space and its contact test.
     Scene(&'a Stored<'a, D>, Test),
-    /// Particles of a periodic scene and images of them, in f64 ([`contactbench_lists::periodic`]).
+    /// Particles of a periodic scene and images of them, in f64 (`contactbench_lists::periodic`).
     Images(Imaged<'a, D>),
 }
 

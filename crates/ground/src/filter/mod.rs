@@ -44,7 +44,7 @@
 //! decide clear cases from the copies and leave the other pairs to `touch`: [`Near`], by 1 and 5.
 //! So its pairs are those that `touch` accepts, in every arithmetic.
 //!
-//! **7. Lists kept while particles move** ([`contactbench_lists::track`]). The contact test accepts no pair
+//! **7. Lists kept while particles move** (`contactbench_lists::track`). The contact test accepts no pair
 //! farther apart than ri + rj + e, where e = 2·rmax·relative + absolute follows from its [`Slack`]
 //! and is 0 for the exact test. A list with a skin s = 2h holds the pairs that touch, by the exact
 //! test, with each radius enlarged to ri + h + e/2, rounded up. So a pair that is not listed was
@@ -67,7 +67,7 @@
 //! storage (1), so nothing else depends on the arithmetic. The inequality concerns numbers as
 //! stored.
 //!
-//! **8. Lists kept in a periodic box** whose vectors H stay ([`contactbench_lists::track`]; exact tests). A list
+//! **8. Lists kept in a periodic box** whose vectors H stay (`contactbench_lists::track`; exact tests). A list
 //! has all triples (i, j, S) whose particles, i and the image of j by S·H, were at most ri + rj + s +
 //! E apart when it was built; then particles were at y. In a frame, let z = x + W·H be the position
 //! of a particle for any integers W: triples of z are those of x with another S. Let d be the

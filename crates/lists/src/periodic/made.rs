@@ -157,7 +157,7 @@ impl<'a, const D: usize> Made<'a, D> {
 /// Code for every shift with a number above 2 in magnitude.
 const FAR: u8 = u8::MAX;
 
-/// Returns a code that names the shift if its numbers are at most 2 in magnitude, else [`FAR`].
+/// Returns a code that names the shift if its numbers are at most 2 in magnitude, else 255.
 pub fn tag(wrap: [i32; 3]) -> u8 {
     if wrap.iter().any(|number| number.unsigned_abs() > 2) {
         return FAR;

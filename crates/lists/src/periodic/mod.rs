@@ -1,14 +1,9 @@
-//! Periodic boxes: contacts between particles and images of others, or of themselves.
-//!
-//! A [`Periodic`] scene is a scene with a [`Lattice`]. It has its own type, so that no code takes
-//! it for an open scene. A contact is an [`ImagePair`]: particle i touches the image of j that is
-//! shifted by S·H, integers times the vectors of the box. One pair may have several contacts, and a
-//! particle may touch an image of itself.
+//! The search for contacts in [periodic boxes](contactbench_ground::periodic).
 //!
 //! * **The test** is exact for the given numbers: the sign of |xi - xj - S·H|² - (ri + rj)² is
-//!   computed by exact arithmetic ([`crate::contact::image`]). It never uses a coordinate of an
-//!   image, which may not fit a double. So the contacts do not depend on which image of a particle
-//!   or which vectors of the lattice a file contains.
+//!   computed by exact arithmetic ([`contactbench_ground::contact::image`]). It never uses a
+//!   coordinate of an image, which may not fit a double. So the contacts do not depend on which image
+//!   of a particle or which vectors of the lattice a file contains.
 //! * **The search:** every image that can matter becomes another body of an open scene
 //!   ([`images`]). A [`Finder`] searches it with any detector, keeps its buffers, and is what is
 //!   timed. Boxes may be smaller than the reach, skewed, tilted by many box lengths, and open along

@@ -89,8 +89,8 @@ pub struct Case {
 pub enum Expect {
     /// Number of contacts in 2D and in 3D, known by construction.
     Contacts([u64; 2]),
-    /// The answer of [`contactbench_detectors::oracle::truth`], or in a box
-    /// [`contactbench_detectors::oracle::boxes::truth()`].
+    /// The answer of `contactbench_detectors::oracle::truth`, or in a box
+    /// `contactbench_detectors::oracle::boxes::truth`.
     Oracle,
     /// The scene is invalid: making it fails with a [`contactbench_ground::scene::SceneError`] that
     /// names the particle.
