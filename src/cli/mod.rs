@@ -145,9 +145,9 @@ verbs! {
         Runner(runner::Serve) => runner::serve,
             ["runner --detector nbs"],
             "docs/PROTOCOL.md";
-        /// Shows a detector of the book step by step, as page and pictures
+        /// Shows a detector of the book step by step, on a page
         Trace(trace::Trace) => trace::trace,
-            ["trace nbs", "trace screening packed:n=12 -o lecture"],
+            ["trace nbs", "trace screening packed:n=12 -o lecture.html"],
             "docs/SEEING.md";
     }
     "More" {

@@ -1,7 +1,6 @@
 //! Pictures of scenes ([`draw`]), and the steps of the book's detectors ([`trace`]).
 
 pub mod draw;
-mod player;
 pub mod trace;
 
 use std::fmt::Write;

@@ -1,59 +1,47 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::Context;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::cli::shared::scene::Source;
-use contactbench_io::write;
-use contactbench_views::trace::{Algorithm, example, page, still, trace as run};
+use crate::cli::shared::terminal;
+use contactbench_views::trace::{Algorithm, example, page, trace as run};
 
 #[derive(clap::Args)]
 #[command(mut_arg("box", |arg| arg.hide(true)), mut_arg("periodic", |arg| arg.hide(true)))]
 pub struct Trace {
     /// nbs, screening, sorting or binary-tree
-    #[arg(value_enum, hide_possible_values = true)]
+    #[arg(value_parser = algorithm(), hide_possible_values = true)]
     detector: Algorithm,
     #[command(flatten)]
     source: Source,
-    /// Folder for the page and the pictures
-    #[arg(short, long, value_name = "FOLDER", default_value = "trace")]
+    /// Page with all steps
+    #[arg(short, long, value_name = "FILE", default_value = "trace.html")]
     out: PathBuf,
-    /// Write the page only, without a picture of each step
-    #[arg(long)]
-    page_only: bool,
 }
 
-/// Writes the page and the pictures, and prints their paths on standard error.
+fn algorithm() -> impl TypedValueParser<Value = Algorithm> {
+    let named = |name: String| Algorithm::ALL.into_iter().find(|it| it.name() == name);
+    PossibleValuesParser::new(Algorithm::ALL.map(Algorithm::name))
+        .try_map(move |name| named(name).ok_or("there is no such detector"))
+}
+
+/// Writes the page, and prints a summary on standard error.
 pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
-    let algorithm = options.detector;
-    let (name, scene) = match options.source.get()? {
+    let Trace { detector, source, out } = options;
+    let (name, scene) = match source.get()? {
         Some((name, scene)) => (name, Some(scene)),
-        None => (example::example(algorithm).name.to_string(), None),
+        None => (example::example(*detector).name.to_string(), None),
     };
-    let trace = run(algorithm, scene.as_ref())?;
-    let folder = &options.out;
-    let failed = || format!("cannot write to {}; choose another folder with -o", folder.display());
-    std::fs::create_dir_all(folder).with_context(failed)?;
-    let page = folder.join(format!("{}.html", algorithm.name()));
-    let text = page::html(&trace, &name);
-    write::whole(&page, |out| out.write_all(text.as_bytes())).with_context(failed)?;
-    let last = trace.steps.len() - 1;
-    let mut pictures = String::new();
-    if !options.page_only {
-        let stills = still::Stills::new(&trace, &name);
-        let digits = last.to_string().len().max(3);
-        for (k, svg) in (0..=last).filter_map(|k| Some((k, stills.svg(k)?))) {
-            let path = folder.join(format!("{}-{k:0digits$}.svg", algorithm.name()));
-            write::whole(&path, |out| out.write_all(svg.as_bytes())).with_context(failed)?;
-        }
-        pictures = format!(" and {} pictures", last + 1);
-    }
-    let contacts = trace.contacts.len();
+    let trace = run(*detector, scene.as_ref())?;
+    terminal::save(out, page::html(&trace, &name).as_bytes(), "-o")?;
     say!(
-        "{name}: N = {}, {contacts} contacts, {last} steps of {}; {}{pictures}",
+        "{name}: N = {}, {} contacts, {} steps of {}; {}",
         trace.discs.len(),
-        algorithm.name(),
-        page.display()
+        trace.contacts.len(),
+        trace.steps.len() - 1,
+        detector.name(),
+        out.display()
     );
     Ok(ExitCode::SUCCESS)
 }

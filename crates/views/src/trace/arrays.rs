@@ -1,10 +1,9 @@
-//! The arrays of a step as SVG: list links and heads, marks, keys, and the tree.
+//! The arrays of a step as SVG: heads and links of lists, keys, nodes, and their marks.
 
 use crate::px;
 use crate::trace::picture::{label, rect};
 use crate::trace::recorder::Step;
-use crate::trace::state::Slot;
-use crate::trace::tree::Tree;
+use crate::trace::state::{HALVES, Slot};
 use crate::trace::{Algorithm, Trace};
 
 pub const WIDTH: f64 = 900.0;
@@ -24,7 +23,8 @@ pub enum Kind {
     Particles,
     /// Column (0) or row (1) of the particle at each place of the sorted order.
     Keys(usize),
-    Tree,
+    /// A half of each node of the tree.
+    Nodes,
 }
 
 /// Letter, kind and title of an array.
@@ -48,7 +48,8 @@ pub fn blocks(algorithm: Algorithm) -> &'static [Array] {
             ('D', Kind::Particles, "D: particles"),
         ],
         Algorithm::BinaryTree => &[
-            (' ', Kind::Tree, "The tree; in the boxes, the leaves: the first particle of each"),
+            ('L', Kind::Nodes, "L: lower half of each node: a node (n) or the first particle"),
+            ('U', Kind::Nodes, "U: upper half of each node: a node (n) or the first particle"),
             NEXT,
         ],
     }
@@ -58,17 +59,17 @@ pub struct Arrays<'a> {
     trace: &'a Trace,
     /// Arrays with the y of their tops.
     blocks: Vec<(Array, f64)>,
-    tree: Tree,
     width: f64,
     pub height: f64,
 }
 
 impl<'a> Arrays<'a> {
     pub fn new(trace: &'a Trace) -> Arrays<'a> {
-        let (tree, n) = (Tree::new(trace), trace.discs.len());
+        let (n, last) = (trace.discs.len(), trace.steps.last());
+        let nodes = last.map_or(0, |step| step.state.array(HALVES[0]).len());
         let [columns, rows] = [0, 1].map(|axis| trace.shown(axis).count());
         // The longest array fills one line, or several of `PER_LINE` values.
-        let longest = n.max(columns).max(rows).clamp(1, PER_LINE);
+        let longest = n.max(columns).max(rows).max(nodes).clamp(1, PER_LINE);
         let width = (WIDTH / longest as f64).min(VALUE[0]);
         let lines = |values: usize| values.div_ceil(PER_LINE) as f64 * LINE;
         let (mut blocks, mut height) = (Vec::new(), 0.0);
@@ -77,12 +78,12 @@ impl<'a> Arrays<'a> {
             height += TITLE + 14.0;
             height += match array.1 {
                 Kind::Matrix => matrix_cell(trace)[1] * rows as f64 + 26.0,
-                Kind::Tree => tree.height,
+                Kind::Nodes => lines(nodes),
                 Kind::Heads(axis) => lines([columns, rows][axis]),
                 Kind::Particles | Kind::Keys(_) => lines(n),
             };
         }
-        Arrays { trace, blocks, tree, width, height }
+        Arrays { trace, blocks, width, height }
     }
 
     pub fn len(&self) -> usize {
@@ -93,7 +94,6 @@ impl<'a> Arrays<'a> {
         let draw = |&((letter, kind, title), y): &(Array, f64)| {
             let block = match kind {
                 Kind::Matrix => matrix(self.trace, step),
-                Kind::Tree => self.tree.draw(self.trace, step),
                 _ => self.row(step, letter, kind),
             };
             format!(
@@ -109,6 +109,7 @@ impl<'a> Arrays<'a> {
         let (names, slots) = (&self.trace.names, step.state.array(letter));
         let (numbers, first) = match kind {
             Kind::Heads(axis) => (self.trace.shown(axis), names.shift[axis]),
+            Kind::Nodes => (0..slots.len() as i64, 0),
             _ => (0..slots.len() as i64, names.first),
         };
         let size = (0.45 * self.width).clamp(17.0, 26.0);
@@ -117,6 +118,7 @@ impl<'a> Arrays<'a> {
             let at = usize::try_from(number).ok().filter(|&at| at < slots.len());
             let slot = at.map_or(Slot::default(), |at| slots[at]);
             let text = match kind {
+                Kind::Nodes if slot.is_node => format!("n{}", slot.value.unwrap_or_default()),
                 Kind::Keys(axis) => {
                     slot.value.map_or(String::new(), |key| names.key(axis, key).to_string())
                 }

@@ -14,8 +14,7 @@
 //! probe that also counts their operations.
 //!
 //! * [`state`]: contents of the arrays; `words`: a sentence for each step.
-//! * `picture`: scene and arrays of a step as SVG; [`page`]: all steps as one HTML page; [`still`]:
-//!   one file per step.
+//! * `picture`, `arrays`: scene and arrays of a step as SVG; [`page`]: all steps as one HTML page.
 
 mod arrays;
 pub mod example;
@@ -23,8 +22,6 @@ pub mod page;
 mod picture;
 pub mod recorder;
 pub mod state;
-pub mod still;
-mod tree;
 mod words;
 
 use anyhow::{Context, ensure};
@@ -46,7 +43,7 @@ pub const MOST_CELLS: u32 = 40;
 pub const MOST_STEPS: usize = 3000;
 
 contactbench_terms::named! {
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Algorithm {
         #[default]
         Nbs = "nbs",

@@ -1,15 +1,14 @@
-//! All steps as one self-contained HTML page, controlled by keys, a presenter, buttons or touch.
-//! The pictures are drawn here; the page's script only exchanges them. Each part that several steps
+//! All steps as one self-contained HTML page, controlled by keys, a presenter, buttons or a bar. The
+//! pictures are drawn here; the page's script only exchanges them. Each part that several steps
 //! share is stored once.
 
 use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
-use crate::player::{self, painted};
 use crate::trace::Trace;
 use crate::trace::arrays::Arrays;
-use crate::trace::picture::{Scene, style};
+use crate::trace::picture::Scene;
 use contactbench_terms::text;
 
 pub fn html(trace: &Trace, name: &str) -> String {
@@ -35,19 +34,12 @@ pub fn html(trace: &Trace, name: &str) -> String {
         "f": texts,
         "contacts": trace.contacts.iter().map(|&pair| scene.line(pair)).collect::<Vec<_>>(),
     });
-    let colours = [colours(false, ":root", ""), colours(true, ":root.dark", ":root.dark ")];
     let mut values = vec![
         ("blocks", "<g></g>".repeat(arrays.len())),
-        ("data", player::data(&data)),
-        ("style", colours.concat() + player::STYLE),
-        ("player", player::SCRIPT.into()),
+        // The data cannot end its script element.
+        ("data", data.to_string().replace("</", "<\\/")),
         ("title", text::html(&trace.title(name))),
     ];
     values.extend(scene.values(&arrays));
     text::fill(include_str!("page.html"), &values)
-}
-
-fn colours(dark: bool, root: &str, scope: &str) -> String {
-    let variables = painted("{--ground:@ground;--ink:@ink;--accent:@accent}\n", dark);
-    format!("{root}{variables}{}", style(dark, scope))
 }

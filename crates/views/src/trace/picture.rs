@@ -1,6 +1,5 @@
-//! The scene of a step as SVG, and the style rules of pictures of steps.
+//! The scene of a step as SVG.
 
-use crate::player::painted;
 use crate::px;
 use crate::trace::arrays::{Arrays, WIDTH};
 use crate::trace::recorder::Step;
@@ -164,10 +163,4 @@ impl<'a> Scene<'a> {
         let [a, b] = pair.map(|k| self.at(self.trace.discs[k as usize].at).map(px));
         format!("M{} {}L{} {}", a[0], a[1], b[0], b[1])
     }
-}
-
-/// Returns the rules of a style sheet with `scope` before each selector.
-pub fn style(dark: bool, scope: &str) -> String {
-    let rules = include_str!("trace.css").lines().map(|rule| format!("{scope}{rule}\n"));
-    painted(&rules.collect::<String>(), dark)
 }

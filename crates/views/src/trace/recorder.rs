@@ -1,6 +1,6 @@
 //! A probe that records the events of a detector as the steps of a trace.
 
-use crate::trace::state::State;
+use crate::trace::state::{HALVES, State};
 use crate::trace::{Algorithm, Disc, MOST_STEPS, words};
 use contactbench_ground::probe::event::{Event, Part};
 use contactbench_ground::probe::{Op, Probe, Tally};
@@ -58,7 +58,6 @@ pub struct Marks {
     pub read: Vec<(char, usize)>,
     /// Half-open range of places in the sorted order that the sentence of the step names.
     pub range: Option<[usize; 2]>,
-    pub path: Vec<u32>,
 }
 
 #[derive(Clone, Debug)]
@@ -138,7 +137,8 @@ impl Recorder {
         }
         marks.row = marks.row.or(self.row);
         marks.central = marks.central.or(self.central);
-        marks.path.append(&mut self.path);
+        let nodes = self.path.drain(..).map(|node| node as usize);
+        marks.read.extend(nodes.flat_map(|node| HALVES.map(|half| (half, node))));
         self.made = 0;
         self.places.clear();
         // No-break spaces keep an equation on one line.
@@ -187,7 +187,7 @@ impl Recorder {
         }
         self.part(words::title(part, self.row, &self.names));
         if let Part::Tree { halvings } = part {
-            self.step(words::tree(halvings), Marks { path: vec![0], ..Marks::default() });
+            self.step(words::tree(halvings), Marks::default());
         }
     }
 

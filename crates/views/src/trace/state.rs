@@ -8,34 +8,22 @@ use contactbench_ground::probe::event::Event;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slot {
-    /// A particle, or a key of the sorting detector; `None` is shown as -1.
+    /// A particle, a key of the sorting detector, or a node; `None` is shown as -1.
     pub value: Option<u32>,
     pub old: bool,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Child {
-    #[default]
-    None,
-    Node(u32),
-    /// A leaf, with the first particle of its list.
-    Leaf(u32),
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Node {
-    /// Number of levels from the root down to this node.
-    pub level: usize,
-    pub children: [Child; 2],
+    /// Whether the value is a node of the tree.
+    pub is_node: bool,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Arrays by letter; [`blocks`] lists the letters.
     arrays: BTreeMap<char, Vec<Slot>>,
-    pub nodes: Vec<Node>,
     pub contacts: Vec<[u32; 2]>,
 }
+
+/// Letters of the arrays of a node's lower and upper half.
+pub const HALVES: [char; 2] = ['L', 'U'];
 
 /// Returns the letter of the array of links that belongs to this array of heads.
 pub fn links(heads: char) -> char {
@@ -56,10 +44,8 @@ impl State {
                 Kind::Heads(axis) => cells[axis],
                 Kind::Matrix => cells[0] * cells[1],
                 Kind::Particles | Kind::Keys(_) => n,
-                Kind::Tree => {
-                    state.nodes.push(Node::default());
-                    continue;
-                }
+                // The root.
+                Kind::Nodes => 1,
             };
             state.arrays.insert(letter, vec![Slot::default(); length]);
         }
@@ -91,12 +77,14 @@ impl State {
                 }
             }
             Event::Made { node, parent, half } => {
-                let level = self.nodes.get(parent as usize).map_or(0, |parent| parent.level + 1);
-                self.child(parent, half, Child::Node(node));
-                self.nodes.push(Node { level, ..Node::default() });
+                let slot = Slot { value: Some(node), is_node: true, ..Slot::default() };
+                self.slot(HALVES[half], parent as usize).into_iter().for_each(|it| *it = slot);
+                for half in HALVES {
+                    self.arrays.entry(half).or_default().push(Slot::default());
+                }
             }
             Event::Leaf { node, half, particle, next, .. } => {
-                self.child(node, half, Child::Leaf(particle));
+                self.set(HALVES[half], node as usize, Some(particle));
                 self.set('E', particle as usize, next);
             }
             _ => {}
@@ -109,13 +97,7 @@ impl State {
 
     fn set(&mut self, letter: char, at: usize, value: Option<u32>) {
         if let Some(slot) = self.slot(letter, at) {
-            *slot = Slot { value, old: false };
-        }
-    }
-
-    fn child(&mut self, node: u32, half: usize, child: Child) {
-        if let Some(node) = self.nodes.get_mut(node as usize) {
-            node.children[half] = child;
+            *slot = Slot { value, ..Slot::default() };
         }
     }
 

@@ -2,43 +2,20 @@ use crate::trace::Algorithm;
 use crate::trace::recorder::{Marks, Names, Recorder};
 use crate::trace::state::links;
 use contactbench_ground::probe::event::{Event, Part};
-use contactbench_terms::number::plural;
-
-/// Returns the texts shown before and after the steps of an algorithm.
-fn about(algorithm: Algorithm) -> [&'static str; 2] {
-    match algorithm {
-        Algorithm::Nbs => [
-            "All lists are empty: every head is -1. B has a head for each row, A and A' one for \
-             each column.",
-            " All heads are empty and new again, without a loop over cells: ready for the next \
-             detection.",
-        ],
-        Algorithm::Screening => [
-            "All lists are empty: every head is -1. C has a head for each cell of the domain.",
-            " All heads and links are empty again, without a loop over cells: ready for the next \
-             detection.",
-        ],
-        Algorithm::Sorting => [
-            "Three arrays of one number per particle: X and Y for columns and rows, D for the \
-             particles' numbers.",
-            "",
-        ],
-        Algorithm::BinaryTree => [
-            "A cell as large as the largest disc is found by halving a square, again and again: a \
-             tree of nodes.",
-            "",
-        ],
-    }
-}
+use contactbench_terms::number::{number, plural};
 
 pub fn beginning(recorder: &Recorder) -> String {
-    let (n, [begins, _]) = (recorder.discs.len(), about(recorder.algorithm));
-    format!("{}, in cells as large as the largest disc. {begins}", plural(n, "particle"))
+    let n = plural(recorder.discs.len(), "particle");
+    let state = match recorder.algorithm {
+        Algorithm::Nbs | Algorithm::Screening => "All heads of lists are empty: -1",
+        Algorithm::Sorting => "X and Y will hold columns and rows, D the particles",
+        Algorithm::BinaryTree => "A square is halved down to such cells: a tree of nodes",
+    };
+    format!("{n}, in cells as large as the largest disc. {state}.")
 }
 
 pub fn end(recorder: &Recorder) -> String {
-    let (contacts, [_, ends]) = (recorder.state.contacts.len(), about(recorder.algorithm));
-    format!("Done: {}, each found once.{ends}", plural(contacts, "contact"))
+    format!("Done: {}, each found once.", plural(recorder.state.contacts.len(), "contact"))
 }
 
 pub fn title(part: Part, row: Option<u32>, names: &Names) -> String {
@@ -62,11 +39,8 @@ pub fn title(part: Part, row: Option<u32>, names: &Names) -> String {
 }
 
 pub fn tree(halvings: u32) -> String {
-    format!(
-        "Halved {halvings} times along x and along y, in turn, the square has {} levels of nodes. \
-         There is the root; others are made where they are needed.",
-        2 * halvings
-    )
+    let levels = 2 * halvings;
+    format!("The tree has {levels} levels: x and y are halved {halvings} times, in turn.")
 }
 
 /// Returns sentence and marks of an event's step; `None` if the event makes no step. `was_empty` is
@@ -91,6 +65,7 @@ fn head(recorder: &Recorder, heads: char, list: usize) -> (String, String) {
     }
 }
 
+/// Describes an event of a list, and marks its head.
 fn of_list(
     recorder: &Recorder,
     was_empty: bool,
@@ -98,84 +73,67 @@ fn of_list(
     marks: &mut Marks,
 ) -> Option<String> {
     let names = &recorder.names;
-    Some(match *event {
-        Event::Push { heads, list, particle, next } => {
-            let ((head, place), link) = (head(recorder, heads, list), links(heads));
-            (marks.particle, marks.cell) = (Some(particle), recorder.cell_of(heads, list));
-            marks.written = vec![(heads, list), (link, particle as usize)];
-            let (k, was) = (names.particle(particle), names.maybe(next));
-            let empty = if next.is_none() { " (the list was empty)" } else { "" };
-            format!(
-                "Particle {k} lies in {place} and goes to the front of its list: {link}[{k}] = \
-                 {head} = {was}{empty}, then {head} = {k}."
-            )
-        }
-        Event::Take { heads, list, first, old } => take(recorder, (heads, list), first, old, marks),
-        Event::Look { heads, list, first } => {
-            let (head, place) = head(recorder, heads, list);
-            (marks.cell, marks.read) = (recorder.cell_of(heads, list), vec![(heads, list)]);
-            let which = if heads == 'B' { "The row below" } else { "Contact mask" };
-            let content = match first {
-                None => "-1, it is empty".into(),
-                _ => {
-                    let chain = recorder.chain(links(heads), first);
-                    format!("{}, its list is {chain}", names.maybe(first))
-                }
-            };
-            format!("{which}, {place}: {head} = {content}.")
-        }
-        Event::Reset { heads, list } => {
-            let (head, place) = head(recorder, heads, list);
-            (marks.cell, marks.written) = (recorder.cell_of(heads, list), vec![(heads, list)]);
-            match was_empty {
-                true => format!(
-                    "{head} = -1: it was already, as another particle of {place} came first."
-                ),
-                false => format!("{head} = -1: the list of {place} is empty and new again."),
-            }
-        }
+    let (heads, list) = match *event {
+        Event::Push { heads, list, .. }
+        | Event::Take { heads, list, .. }
+        | Event::Look { heads, list, .. }
+        | Event::Reset { heads, list } => (heads, list),
         Event::Unlink { particle } => {
             (marks.particle, marks.written) = (Some(particle), vec![('E', particle as usize)]);
-            format!("E[{}] = -1: its link is emptied, too.", names.particle(particle))
+            return Some(format!("E[{}] = -1: its link is emptied.", names.particle(particle)));
         }
         _ => return None,
-    })
-}
-
-/// Describes reading a head, which is marked old if it was new and not empty.
-fn take(
-    recorder: &Recorder,
-    (heads, list): (char, usize),
-    first: Option<u32>,
-    old: bool,
-    marks: &mut Marks,
-) -> String {
-    let (names, (head, place)) = (&recorder.names, head(recorder, heads, list));
-    (marks.particle, marks.cell) = (recorder.visiting, recorder.cell_of(heads, list));
-    marks.row = (heads == 'B').then_some(list as u32);
-    let new = first.is_some() && !old;
-    if new { &mut marks.written } else { &mut marks.read }.push((heads, list));
-    let whose = match recorder.visiting {
-        Some(k) => format!("Particle {} lies in {place}. ", names.particle(k)),
-        None if heads == 'B' => format!("Upwards to {place}. "),
-        None => String::new(),
     };
-    let role = if heads == 'B' { "the central row" } else { "the central cell" };
-    match (first, old) {
-        (None, _) => format!("{whose}{head} = -1: it is empty."),
-        (_, true) => format!("{whose}{head} is marked old: it has been dealt with."),
-        _ => format!(
-            "{whose}{head} = {} is new: mark it old. It is {role}, with the list {}.",
-            names.maybe(first),
-            recorder.chain(links(heads), first)
-        ),
-    }
+    let ((head, place), at) = (head(recorder, heads, list), vec![(heads, list)]);
+    let chain = |first: Option<u32>| match first {
+        None => "-1: it is empty".into(),
+        _ => {
+            format!("{}, with the list {}", names.maybe(first), recorder.chain(links(heads), first))
+        }
+    };
+    marks.cell = recorder.cell_of(heads, list);
+    Some(match *event {
+        Event::Push { particle, next, .. } => {
+            let link = links(heads);
+            marks.particle = Some(particle);
+            marks.written = vec![(heads, list), (link, particle as usize)];
+            let (k, was) = (names.particle(particle), names.maybe(next));
+            format!(
+                "Particle {k} goes to the front of the list of {place}: {link}[{k}] = {head} = \
+                 {was}, then {head} = {k}."
+            )
+        }
+        Event::Take { first, old, .. } => {
+            marks.particle = recorder.visiting;
+            marks.row = (heads == 'B').then_some(list as u32);
+            let new = first.is_some() && !old;
+            if new { &mut marks.written } else { &mut marks.read }.extend(at);
+            let visitor = match recorder.visiting {
+                Some(k) => format!("Particle {}, {place}: ", names.particle(k)),
+                None => format!("{place}: "),
+            };
+            match old {
+                true => format!("{visitor}{head} is marked old: it has been dealt with."),
+                false if new => format!("{visitor}{head} = {}. Mark it old.", chain(first)),
+                false => format!("{visitor}{head} = {}.", chain(first)),
+            }
+        }
+        Event::Look { first, .. } => {
+            marks.read = at;
+            let which = if heads == 'B' { "The row below" } else { "Contact mask" };
+            format!("{which}, {place}: {head} = {}.", chain(first))
+        }
+        _ => {
+            marks.written = at;
+            let already = if was_empty { "was already" } else { "is" };
+            format!("{head} = -1: the list of {place} {already} empty and new again.")
+        }
+    })
 }
 
 fn of_places(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option<String> {
     let (names, state) = (&recorder.names, &recorder.state);
     let (letter, cells) = (['X', 'Y'], ["column", "row"]);
-    let place = |at: usize| names.place(at);
     Some(match *event {
         Event::Key { axis, particle, key } => {
             marks.particle = Some(particle);
@@ -186,70 +144,45 @@ fn of_places(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option<St
         Event::Halve { axis, places, values: [min, max], mid } => {
             marks.range = Some(places);
             let [min, max, mid] = [min, max, mid].map(|key| names.key(axis, key));
-            format!(
-                "In {} every {} is from {min} to {max}. Halve the range of values: those below \
-                 {mid} go left, the others right.",
-                names.places(places),
-                cells[axis]
-            )
+            let places = names.places(places);
+            let cell = cells[axis];
+            format!("In {places} {cell}s are {min} to {max}: those below {mid} go left.")
         }
-        Event::Swap { axis, places: [a, b] } => {
+        Event::Swap { axis, places } => {
             let arrays = letter[axis..].iter().chain(&['D']);
-            marks.written = arrays.flat_map(|&array| [(array, a), (array, b)]).collect();
+            marks.written = arrays.flat_map(|&array| places.map(|at| (array, at))).collect();
             let key = |at| state.value(letter[axis], at).map_or(0, |key| names.key(axis, key));
-            format!(
-                "From the left the pointer stops at place {}, {cell} {}; from the right at place \
-                 {}, {cell} {}: they change places.",
-                place(a),
-                key(b),
-                place(b),
-                key(a),
-                cell = cells[axis]
-            )
+            let ([a, b], [left, right]) = (places.map(|at| names.place(at)), places.map(key));
+            let cell = cells[axis];
+            format!("Places {a} ({cell} {right}) and {b} ({cell} {left}) are exchanged.")
         }
         Event::Halved { axis, places: [from, to], middle } => {
             marks.range = Some([from, to]);
+            let lower = middle - from;
             let all = names.places([from, to]);
-            let what = match middle {
-                _ if middle == from => format!("all of {all} are in the upper half of the values"),
-                _ if middle == to => format!("all of {all} are in the lower half of the values"),
-                _ => format!(
-                    "the lower {}s are in {}, the upper ones in {}",
-                    cells[axis],
-                    names.places([from, middle]),
-                    names.places([middle, to])
-                ),
-            };
-            format!("The pointers meet: {what}.")
+            format!("The pointers meet: {lower} of {all} hold the lower {}s.", cells[axis])
         }
-        Event::Found { cell, places } => found(recorder, cell, places, marks),
+        Event::Found { cell, places: [from, to] } => {
+            marks.read = recorder.places.iter().flat_map(|&at| [('X', at), ('Y', at)]).collect();
+            marks.range = (from < to).then_some([from, to]);
+            let values = (from..to).filter_map(|at| state.value('D', at));
+            let here: Vec<_> = values.map(|k| names.particle(k).to_string()).collect();
+            let found = match to - from {
+                0 => "no particle is there".into(),
+                1 => format!("particle {} at {}", here.concat(), names.places([from, to])),
+                _ => format!("particles {} at {}", here.join(", "), names.places([from, to])),
+            };
+            let name = names.cell(cell);
+            if recorder.central == Some(cell) {
+                return Some(format!("The next central cell is {name}: {found}."));
+            }
+            marks.cell = Some(cell);
+            let looked = recorder.places.iter().map(|&at| names.place(at).to_string());
+            let looked = looked.collect::<Vec<_>>().join(", ");
+            format!("Mask cell {name}: a binary search reads places {looked}: {found}.")
+        }
         _ => return None,
     })
-}
-
-fn found(recorder: &Recorder, cell: [u32; 2], places: [usize; 2], marks: &mut Marks) -> String {
-    let (names, [from, to]) = (&recorder.names, places);
-    marks.read = recorder.places.iter().flat_map(|&at| [('X', at), ('Y', at)]).collect();
-    marks.range = (from < to).then_some(places);
-    let listed =
-        |numbers: Vec<u32>| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
-    let values = (from..to).filter_map(|at| recorder.state.value('D', at));
-    let here = listed(values.map(|k| names.particle(k)).collect());
-    let found = match to - from {
-        0 => "no particle is there".into(),
-        1 => format!("particle {here} at {}", names.places(places)),
-        _ => format!("particles {here} at {}", names.places(places)),
-    };
-    let name = names.cell(cell);
-    if recorder.central == Some(cell) {
-        return format!(
-            "The next cell that is not empty is {name}: {found}. It is the central cell."
-        );
-    }
-    marks.cell = Some(cell);
-    let s = if recorder.places.len() == 1 { "" } else { "s" };
-    let looked = listed(recorder.places.iter().map(|&at| names.place(at)).collect());
-    format!("Mask cell {name}: a binary search looks at place{s} {looked}: {found}.")
 }
 
 fn of_particles(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option<String> {
@@ -258,18 +191,9 @@ fn of_particles(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option
         Event::Leaf { cell, particle, next, .. } => {
             (marks.particle, marks.cell) = (Some(particle), Some(cell));
             marks.written = vec![('E', particle as usize)];
-            let nodes = match recorder.made {
-                0 => "all nodes are there already".into(),
-                1 => "1 node is made".into(),
-                made => format!("{made} nodes are made"),
-            };
-            format!(
-                "Particle {k}, cell {}, goes down from the root: {nodes}. On the leaf's list: \
-                 E[{k}] = {}, HEAD = {k}.",
-                names.cell(cell),
-                names.maybe(next),
-                k = names.particle(particle)
-            )
+            let (k, cell, next) = (names.particle(particle), names.cell(cell), names.maybe(next));
+            let made = plural(recorder.made, "new node");
+            format!("Particle {k} goes down to cell {cell}, {made}: E[{k}] = {next}, head = {k}.")
         }
         Event::Descended { cell, first } => {
             marks.cell = Some(cell);
@@ -283,34 +207,20 @@ fn of_particles(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option
         Event::Test { i, j, touching } => {
             marks.pair = Some((i, j, touching));
             let [a, b] = [i, j].map(|k| &recorder.discs[k as usize]);
-            let place = match a.cell == b.cell {
-                true => format!("both in cell {}", names.cell(a.cell)),
-                false => format!("in cells {} and {}", names.cell(a.cell), names.cell(b.cell)),
-            };
+            let [cell, other] = [a, b].map(|disc| names.cell(disc.cell));
             let (sign, answer) = match touching {
-                true => ("at most", format!("contact number {}", recorder.state.contacts.len())),
+                true => ("at most", format!("contact {}", recorder.state.contacts.len())),
                 false => ("more than", "no contact".into()),
             };
             format!(
-                "Particles {} and {}, {place}: the distance {} is {sign} {}, the sum of the radii: \
-                 {answer}.",
+                "Particles {} and {}, cells {cell} and {other}: the distance {} is {sign} {}, the \
+                 sum of the radii: {answer}.",
                 names.particle(i),
                 names.particle(j),
-                short((a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1])),
-                short(a.r + b.r)
+                number((a.at[0] - b.at[0]).hypot(a.at[1] - b.at[1])),
+                number(a.r + b.r)
             )
         }
         _ => return None,
     })
-}
-
-fn short(x: f64) -> String {
-    if x != 0.0 && !(1e-3..1e5).contains(&x) {
-        return format!("{x:.3e}");
-    }
-    let decimals = (3 - x.max(1e-3).log10().floor() as i32).clamp(0, 6) as usize;
-    match format!("{x:.decimals$}") {
-        text if text.contains('.') => text.trim_end_matches('0').trim_end_matches('.').into(),
-        text => text,
-    }
 }
