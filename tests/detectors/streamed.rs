@@ -3,18 +3,16 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use contactbench::scene::{AnyScene, Scene, Stored};
-use contactbench_detectors::book::direct::Direct;
-use contactbench_detectors::book::nbs::Nbs;
 use contactbench_detectors::table;
-use contactbench_ground::contact::{Arithmetic, Bodies, Slack, Test, WithBodies, with_bodies};
-use contactbench_ground::detect::any::{DetectorOfAll, run, run_stored};
-use contactbench_ground::detect::{Declare, Detector, Options};
+use contactbench_ground::contact::{Arithmetic, Bodies, Slack, Test, any_bodies};
+use contactbench_ground::detect::any::{AnyDetector, Searched, Task};
+use contactbench_ground::detect::{Detector, Options};
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::pairs::pair_list::{Allowance, PAIR_BYTES, PairList};
 use contactbench_ground::pairs::sink::Digest;
 use contactbench_ground::probe::{Op, Probe, Silent, Tally};
 use contactbench_ground::wide::Level;
-use contactbench_streamed::{FEWEST_FOR_THREADS, Form, Streamed};
+use contactbench_streamed::{FEWEST_FOR_THREADS, Form, Streamed, streamed};
 
 use crate::make;
 
@@ -42,36 +40,37 @@ fn of<const D: usize>(centres: impl IntoIterator<Item = [f64; D]>) -> Scene<'sta
     Scene::at(centres, 0.5).unwrap()
 }
 
-fn answer<const D: usize>(
-    detector: &mut impl DetectorOfAll<D>,
-    scene: &Stored<'_, D>,
-    test: Test,
-) -> Digest {
+fn answer(detector: &mut dyn AnyDetector, scene: &AnyScene<'_>, test: Test) -> Digest {
     let mut digest = Digest::default();
-    run_stored(detector, scene, test, &mut Silent, &mut digest).unwrap();
+    detector.visit(scene, test, &mut digest).unwrap();
     digest
 }
 
+fn in_form(level: Level, form: Option<Form>) -> Box<dyn AnyDetector> {
+    streamed(Some(level.name()), form, Options::default())
+}
+
 /// Compares the answers of all forms and levels; returns the number of answers compared.
-fn compare<const D: usize>(what: &str, scene: &Stored<'_, D>, test: Test) -> usize {
-    let truth = answer(&mut Direct::with(Options::default()), scene, test);
+fn compare(what: &str, scene: &AnyScene<'_>, test: Test) -> usize {
+    let mut direct = table::find("direct").unwrap().make(Options::default());
+    let truth = answer(&mut *direct, scene, test);
     let mut compared = 0;
     for level in Level::all() {
         for form in [None, Some(Form::Dense), Some(Form::Flat), Some(Form::Sparse)] {
-            let mut detector = Streamed::on(level, form, Options::default());
+            let mut detector = in_form(level, form);
             let what = format!("{what} on {} in form {form:?}", level.name());
-            assert_eq!(answer(&mut detector, scene, test), truth, "{what}");
+            assert_eq!(answer(&mut *detector, scene, test), truth, "{what}");
             // Later rounds use the buffers of the first. Pairs are written in the space of a list,
             // which is short of it, fills up during the sweep, or has enough.
             for capacity in [0, 1200, 1 << 16] {
                 let mut pairs = Vec::with_capacity(capacity);
-                run_stored(&mut detector, scene, test, &mut Silent, &mut pairs).unwrap();
+                detector.list(scene, test, &mut pairs).unwrap();
                 assert_eq!(Digest::from_pairs(&pairs), truth, "{what}, {capacity} pairs");
                 compared += 1;
             }
             let allowance = Allowance::new(1500 * PAIR_BYTES);
             let mut full = PairList::new(&allowance);
-            run_stored(&mut detector, scene, test, &mut Silent, &mut full).unwrap();
+            detector.search(&Searched::scene(scene, test), Task::List(&mut full)).unwrap();
             assert_eq!(full.found(), truth.contacts, "{what}");
         }
     }
@@ -86,10 +85,7 @@ fn all_forms_on_all_levels_in_all_arithmetics() {
         for arithmetic in Arithmetic::SAFE {
             let scene = scene.stored(arithmetic).unwrap();
             let what = format!("{text} in {}", arithmetic.name());
-            compared += match &scene {
-                AnyScene::Plane(scene) => compare(&what, scene, arithmetic.test()),
-                AnyScene::Space(scene) => compare(&what, scene, arithmetic.test()),
-            };
+            compared += compare(&what, &scene, arithmetic.test());
         }
     }
     assert_eq!(compared, SCENES.len() * Arithmetic::SAFE.len() * Level::all().len() * 12);
@@ -104,8 +100,8 @@ fn coordinates_that_begin_again() {
     for far in [246.0, 250.0, 255.5, 1000.0, 3e5, 5e8] {
         let centres = || heap(0.0, 0.0).chain(heap(far, 3.0)).chain(heap(0.3, 2.0 * far));
         let solid = of(centres().map(|[x, y]| [x, y, 1.5 * y]));
-        compare(&format!("solid heaps {far} apart"), &Stored::F64(solid), Test::Exact);
-        compare(&format!("heaps {far} apart"), &Stored::F64(of(centres())), Test::Exact);
+        compare(&format!("solid heaps {far} apart"), &solid.into(), Test::Exact);
+        compare(&format!("heaps {far} apart"), &of(centres()).into(), Test::Exact);
     }
 }
 
@@ -115,13 +111,13 @@ fn coordinates_that_begin_again() {
 fn heaps_of_any_height_and_rooms_that_are_filled() {
     for n in [7, 8, 9, 15, 16, 17, 18, 33, 250, 1000] {
         let at = |k| [1e-3 * f64::from(k % 7), 2e-3 * f64::from(k % 5), 1e-3];
-        compare(&format!("a heap of {n}"), &Stored::F64(of((0..n).map(at))), Test::Exact);
+        compare(&format!("a heap of {n}"), &of((0..n).map(at)).into(), Test::Exact);
     }
     let corners = [[0.0, 0.0, 0.0], [0.9, 0.9, 0.0], [0.9, 0.0, 0.9], [0.0, 0.9, 0.9]];
     let numbers = [60, 80, 81, 700, 1024, 1025, 1026, 2800];
     for (n, used) in numbers.into_iter().flat_map(|n| [(n, 3), (n, 4)]) {
         let scene = of((0..n).map(|k| corners[k % used]));
-        compare(&format!("{n} at {used} corners"), &Stored::F64(scene), Test::Exact);
+        compare(&format!("{n} at {used} corners"), &scene.into(), Test::Exact);
     }
 }
 
@@ -132,10 +128,10 @@ fn lines_strips_and_columns() {
     for n in [1000, 2000, 4999] {
         for pitch in [0.9, 1.0, 2.4, 4.9] {
             let line = of((0..n).map(|k| [0.0, pitch * f64::from(k)]));
-            compare(&format!("a line of {n}, {pitch} apart"), &Stored::F64(line), Test::Exact);
+            compare(&format!("a line of {n}, {pitch} apart"), &line.into(), Test::Exact);
             let at = |k| [f64::from(k % 2), 0.7 * f64::from(k % 3), pitch * f64::from(k)];
             let column = of((0..n).map(at));
-            compare(&format!("a column of {n}, {pitch} apart"), &Stored::F64(column), Test::Exact);
+            compare(&format!("a column of {n}, {pitch} apart"), &column.into(), Test::Exact);
         }
     }
 }
@@ -144,17 +140,16 @@ fn lines_strips_and_columns() {
 #[test]
 fn crowds_far_apart_are_refused() {
     let heap = |at: f64| (0..2500).map(move |k| [at + 1e-3 * f64::from(k), at]);
-    let (scene, mut digest) = (of(heap(0.0).chain(heap(1e20))), Digest::default());
-    let mut detector = Streamed::<2>::with(Options::default());
-    let answer = run(&mut detector, &scene, Test::Exact, &mut Silent, &mut digest);
+    let scene = of(heap(0.0).chain(heap(1e20))).into();
+    let answer = in_form(Level::best(), None).list(&scene, Test::Exact, &mut Vec::new());
     assert!(matches!(answer, Err(Refusal::Domain { .. })), "{answer:?}");
 }
 
 /// Textbook arithmetic accepts points whose squared distance underflows to 0.
 #[test]
 fn textbook_loses_nothing() {
-    let scene = Stored::F64(Scene::at([[0.0, 0.0], [1e-163, 0.0]], 0.0).unwrap());
-    let digest = answer(&mut Streamed::<2>::with(Options::default()), &scene, Test::Textbook);
+    let scene = Scene::at([[0.0, 0.0], [1e-163, 0.0]], 0.0).unwrap().into();
+    let digest = answer(&mut *in_form(Level::best(), None), &scene, Test::Textbook);
     assert_eq!(digest, Digest::from_pairs(&[[0, 1]]));
 }
 
@@ -189,7 +184,9 @@ fn few_pairs_are_left_to_the_contact_test() {
     let asked_of_contacts = |text: &str| {
         let AnyScene::Space(Stored::F64(scene)) = make(text) else { panic!("{text}") };
         let (asked, mut digest) = (AtomicU64::new(0), Digest::default());
-        with_bodies(&scene, Test::Exact, Counting(&asked, &mut digest)).unwrap();
+        let counted = Counted(any_bodies(&scene, Test::Exact).unwrap(), &asked);
+        let mut detector = Streamed::<3>::on(Level::best(), None, Options::default());
+        detector.detect(counted, &mut Silent, &mut digest).unwrap();
         (asked.into_inner(), digest.contacts)
     };
     let (asked, contacts) = asked_of_contacts("packed:dim=3,n=20000");
@@ -226,16 +223,6 @@ impl<B: Bodies<f64, 3>> Bodies<f64, 3> for Counted<'_, B> {
     }
 }
 
-struct Counting<'a>(&'a AtomicU64, &'a mut Digest);
-
-impl WithBodies<f64, 3> for Counting<'_> {
-    type Output = Result<(), Refusal>;
-    fn call<B: Bodies<f64, 3>>(self, bodies: B) -> Self::Output {
-        let mut detector = Streamed::<3>::on(Level::best(), None, Options::default());
-        detector.detect(Counted(bodies, self.0), &mut Silent, self.1)
-    }
-}
-
 /// Memory does not depend on the number of cells, tried with 4·10^8 and 10^27 cells.
 #[test]
 fn memory_is_of_particles_not_of_cells() {
@@ -264,24 +251,8 @@ fn counts_are_the_same_on_all_levels() {
         for form in [Form::Dense, Form::Flat, Form::Sparse] {
             let counted = |level| {
                 let (mut tally, mut digest) = (Tally::default(), Digest::default());
-                let (probe, sink) = (&mut tally, &mut digest);
-                match &scene {
-                    AnyScene::Plane(scene) => run_stored(
-                        &mut Streamed::on(level, Some(form), Options::default()),
-                        scene,
-                        Test::Exact,
-                        probe,
-                        sink,
-                    ),
-                    AnyScene::Space(scene) => run_stored(
-                        &mut Streamed::on(level, Some(form), Options::default()),
-                        scene,
-                        Test::Exact,
-                        probe,
-                        sink,
-                    ),
-                }
-                .unwrap();
+                let mut detector = in_form(level, Some(form));
+                detector.count(&scene, Test::Exact, &mut tally, &mut digest).unwrap();
                 assert!(tally.get(Op::ContactTest) >= digest.contacts);
                 // The flat form visits one range for each particle in 2D, two in 3D.
                 if form == Form::Flat && !text.contains("ratio") {
@@ -304,8 +275,8 @@ fn counts_are_the_same_on_all_levels() {
 fn a_column_of_all_particles_is_divided() {
     let row = (0..4095).map(|k| [0.0, f64::from(k)]).chain([[4100.0, 0.0]]);
     let (mut tally, mut digest) = (Tally::default(), Digest::default());
-    let mut detector = Streamed::<2>::with(Options::default());
-    run(&mut detector, &of(row), Test::Exact, &mut tally, &mut digest).unwrap();
+    let mut detector = in_form(Level::best(), None);
+    detector.count(&of(row).into(), Test::Exact, &mut tally, &mut digest).unwrap();
     assert_eq!(tally.get(Op::CellProbe), 2 * 4096);
 }
 
@@ -335,15 +306,12 @@ fn pairs_where_floats_are_coarse() {
                 [[x, y], [x + cos * apart, y + sin * apart]]
             };
             let pairs = places.iter().copied().enumerate().flat_map(pair);
-            let scene = Stored::F64(Scene::at(pairs, 0.5 * diameter).unwrap());
-            let truth = answer(&mut Nbs::<2>::with(Options::default()), &scene, Test::Exact);
+            let scene = Scene::at(pairs, 0.5 * diameter).unwrap().into();
+            let mut nbs = table::find("nbs").unwrap().make(Options::default());
+            let truth = answer(&mut *nbs, &scene, Test::Exact);
             for level in Level::all() {
                 for form in [Form::Dense, Form::Flat] {
-                    let found = answer(
-                        &mut Streamed::on(level, Some(form), Options::default()),
-                        &scene,
-                        Test::Exact,
-                    );
+                    let found = answer(&mut *in_form(level, Some(form)), &scene, Test::Exact);
                     let what = (level.name(), form, diameter, turned);
                     assert_eq!(found, truth, "{what:?}");
                 }

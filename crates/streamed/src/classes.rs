@@ -29,7 +29,7 @@ const CLASS: f64 = 2000.0;
 
 /// A range of bins and the particles in it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Class<const D: usize> {
+pub struct Class<const D: usize> {
     pub bodies: usize,
     least: f64,
     pub largest: f64,
@@ -103,7 +103,7 @@ fn root<const D: usize>(volume: f64) -> f64 {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Classes<const D: usize> {
+pub struct Classes<const D: usize> {
     bins: Bins,
     numbers: [u8; MOST],
     classes: [Class<D>; MOST],

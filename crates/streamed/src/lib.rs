@@ -44,7 +44,7 @@
 //! * In `textbook` arithmetic the filters are as safe as in f64, except in scenes left to
 //!   [`HGrid`]: the book prints no filters for this detector.
 
-mod classes;
+pub mod classes;
 mod dense;
 mod grid;
 pub mod hgrid;

@@ -181,6 +181,3 @@ fn fill<T: Real, const D: usize>(
         filling.end(&level.grid);
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,10 +1,12 @@
+//! Size classes of `streamed-nbs`. They are tested outside of the crate, whose code is then compiled
+//! once.
+
+use contactbench_ground::contact::{Bodies, Test, any_bodies};
+use contactbench_ground::scene::{Radii, Scene};
+use contactbench_streamed::classes::Classes;
 use nalgebra::Point;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-use super::*;
-use contactbench_ground::contact::{Test, any_bodies};
-use contactbench_ground::scene::{Radii, Scene};
 
 fn scene<const D: usize>(radii: Vec<f64>, edge: f64) -> Scene<'static, f64, D> {
     let mut random = ChaCha8Rng::seed_from_u64(radii.len() as u64);
