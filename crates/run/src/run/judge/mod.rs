@@ -10,7 +10,7 @@ use std::rc::Rc;
 use anyhow::Context;
 use frame::{Differs, Frame, Truths};
 
-use crate::moving::{Builds, Late, Moved, Names, Survey};
+use crate::moving::{Builds, Late, Moved, Survey};
 use crate::run::machine::interrupt;
 use crate::run::runner::protocol::Found;
 use crate::run::runner::trajectory::Trajectory;
@@ -18,7 +18,6 @@ use crate::truth::depth;
 use contactbench_detectors::oracle::{Causes, Errors, NoTruth};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::pairs::sink::Digest;
-use contactbench_ground::periodic::Loaded;
 use contactbench_ground::periodic::{ContactList, ImagePair};
 use contactbench_io::Given;
 use contactbench_record::record::row::Outcome;
@@ -249,7 +248,7 @@ impl<'a> Judge<'a> {
         }
         let (errors, causes) = (Some(Errors::default()), Some(Causes::default()));
         let mut all = Differs { errors, causes, ..Differs::default() };
-        let (mut tracked, mut names) = (Tracked::default(), Names::default());
+        let mut tracked = Tracked::default();
         for (k, (&found, right)) in answers.iter().zip(&*right).enumerate() {
             let flag = |flags: &[bool]| flags.get(k) == Some(&true);
             let missed = tracked.late.missed;
@@ -280,7 +279,7 @@ impl<'a> Judge<'a> {
             if moving {
                 let known = frame.known(arithmetic)?;
                 let reported = contacts.as_ref().map(|it| sorted(it, &known, limit)).transpose()?;
-                late(&mut tracked.late, k, &known, &mut names, reported)?;
+                late(&mut tracked.late, k, &known, reported)?;
             }
             if let Some(contacts) = &contacts {
                 all.add(&frame.compare(arithmetic, Some(contacts))?);
@@ -356,16 +355,11 @@ fn late(
     late: &mut Late,
     k: usize,
     known: &Truths,
-    names: &mut Names,
     reported: Option<Vec<ImagePair>>,
 ) -> Result<(), Unjudged> {
-    if let Loaded::InBox(periodic) = &*known.stored {
-        // Names need not be tracked through skipped frames, in which no contact was missed.
-        names.next(periodic);
-    }
     let truth = sorted(&known.own.contacts, known, u64::MAX)?;
     let depth = |pair| depth(&known.stored, pair);
-    late.take(k as u64, names, depth, reported.as_ref().unwrap_or(&truth), &truth);
+    late.take(k as u64, depth, reported.as_ref().unwrap_or(&truth), &truth);
     Ok(())
 }
 
