@@ -267,16 +267,6 @@ impl Boundaries {
         *self == Boundaries::AS_DECLARED && declared.is_some_and(silent)
     }
 
-    /// Returns the declared box if these boundaries drop it. If the file does not state which
-    /// vectors are periodic, all count as periodic.
-    pub fn left_out(&self, dim: usize, declared: Option<&Declared>) -> Option<Lattice> {
-        let declared = declared.filter(|_| self.edges.is_none())?;
-        let flags = declared.periodic.filter(|flags| flags.contains(&true)).unwrap_or([true; 3]);
-        let periodic = [flags[0], flags[1], flags[2] && dim == 3];
-        let lattice = Lattice::new(declared.vectors?, periodic, declared.origin).ok()?;
-        if dim == 2 { lattice.flat().ok() } else { Some(lattice) }
-    }
-
     pub fn check(&self) -> anyhow::Result<()> {
         let given = [(self.edges.is_some(), "--box"), (self.periodic.is_some(), "--periodic")];
         if let Some((_, name)) = given.iter().find(|(given, _)| self.open && *given) {

@@ -4,7 +4,7 @@ use contactbench_detectors::oracle::{Causes, Errors};
 use contactbench_ground::limits::memory::limit_for;
 use contactbench_ground::periodic::{ContactList, ImagePair, Periodic};
 use contactbench_ground::scene::Lattice;
-use contactbench_run::check::verify::{
+use contactbench_run::verify::{
     Allowed, Job, Listed, Naming, Reading, Terms, Verification, causes,
 };
 use contactbench_scenes::Given;
@@ -107,8 +107,8 @@ fn held(
     let (scene, lattice) = (arrays.scene()?, arrays.lattice()?);
     let space = Periodic::new(scene, lattice.unwrap_or(Lattice::OPEN)).map_err(Failure::value)?;
     let job = Job { space: &space, list, naming: &naming, others: &others, terms };
-    let found = contactbench_run::check::verify::verify(&job)?;
-    let reading = contactbench_run::check::verify::explain(&job, &found, None)?;
+    let found = contactbench_run::verify::verify(&job)?;
+    let reading = contactbench_run::verify::explain(&job, &found)?;
     // Only rounded arithmetics have causes. They need a list that identifies its contacts: without
     // allowed deviations, and with images if there is a box.
     if terms.arithmetic == Default::default()

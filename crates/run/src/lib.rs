@@ -7,3 +7,4 @@ pub mod plan;
 pub mod recommend;
 pub mod run;
 mod truth;
+pub mod verify;

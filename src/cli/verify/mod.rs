@@ -16,10 +16,10 @@ use crate::cli::shared::terminal;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_io::pairs::{self, List};
 use contactbench_io::{self as io, About, Frame, Particles, Without};
-use contactbench_run::check::verify::Allowed;
-use contactbench_run::check::verify::frame::Asked;
-use contactbench_run::check::verify::frames::All;
-use contactbench_run::check::verify::paired::{Matched, Paired};
+use contactbench_run::verify::Allowed;
+use contactbench_run::verify::frame::Asked;
+use contactbench_run::verify::frames::All;
+use contactbench_run::verify::paired::{Matched, Paired};
 
 #[derive(clap::Args)]
 pub struct Verify {

@@ -9,10 +9,10 @@ use contactbench_ground::periodic::ImagePair;
 use contactbench_io::boxes::along;
 use contactbench_io::pairs;
 use contactbench_report::table::Table;
-use contactbench_run::check::verify::frame::Verified;
-use contactbench_run::check::verify::frames::{All, Row, counted};
-use contactbench_run::check::verify::{Meaning, Taken};
 use contactbench_run::moving::Late;
+use contactbench_run::verify::frame::Verified;
+use contactbench_run::verify::frames::{All, Row, counted};
+use contactbench_run::verify::{Meaning, Taken};
 use contactbench_scenes::touching::particle;
 use contactbench_terms::number::{mean_radii, number, plural, wrap};
 

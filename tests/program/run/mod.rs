@@ -3,7 +3,6 @@
 
 mod errors;
 mod failures;
-mod hidden;
 mod hostile;
 mod recommend;
 mod resume;

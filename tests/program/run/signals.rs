@@ -1,12 +1,11 @@
 //! Tests that Ctrl-C and SIGTERM end a run.
 
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use contactbench::record::row::{Pass, Row};
 use rustix::process::{Pid, Signal, kill_process};
 
-use super::hidden::all_ended;
 use super::resume::{WHOLE, experiment, steady};
 use crate::common::{Place, answers, ended, program, runner};
 
@@ -25,6 +24,25 @@ fn hanging(at: &Place) -> Child {
         std::thread::sleep(Duration::from_millis(20));
     }
     child
+}
+
+/// Waits until all processes that runners noted have ended; returns their number.
+fn all_ended(at: &Place) -> usize {
+    let pids = std::fs::read_to_string(at.path("pids")).unwrap_or_default();
+    for pid in pids.lines() {
+        let began = Instant::now();
+        let state = || std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+        while !(state().is_empty() || state().contains(") Z")) {
+            let late = began.elapsed() > Duration::from_secs(10);
+            if late {
+                let _ = Command::new("kill").args(["-9", pid]).status();
+            }
+            assert!(!late, "a process is left behind: {}", state());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+    let _ = std::fs::remove_file(at.path("pids"));
+    pids.lines().count()
 }
 
 fn signal(child: &Child, signal: Signal) {

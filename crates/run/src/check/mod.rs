@@ -19,7 +19,6 @@ pub mod process;
 pub mod regression;
 pub mod shrink;
 pub mod subject;
-pub mod verify;
 mod wrong;
 
 use std::collections::BTreeMap;

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
+use serde_json::Value;
 
 use crate::plan::{builtin, detectors};
 use crate::run::machine::disk;
@@ -85,10 +86,8 @@ pub fn run(
     let against = asked.against.as_deref().map(other_build).transpose()?;
     let done = previous(&path, asked.resume, &label, note)?;
     let base = against.as_deref().map(fingerprint).transpose().context("cannot read --against")?;
-    same_base(folder, &done.rows, base.as_deref())?;
-    same_extent(folder, &done.rows, asked.quick)?;
-    for (experiment, text) in &asked.experiments {
-        same_experiment(folder, &done.rows, experiment, text)?;
+    if !done.rows.is_empty() {
+        Begun::new(folder).fits(asked, folder, &done.rows, base.as_deref().unwrap_or_default())?;
     }
     let program =
         std::env::current_exe().context("cannot find this program to start it as runner")?;
@@ -192,64 +191,47 @@ fn other_build(path: &Path) -> anyhow::Result<PathBuf> {
     Ok(program)
 }
 
-fn same_experiment(
-    folder: &Path,
-    rows: &[Row],
-    experiment: &Experiment,
-    text: &str,
-) -> anyhow::Result<()> {
-    let (name, copy) = (&experiment.name, copy(folder, &experiment.name));
-    ensure!(
-        rows.is_empty() || copy.exists(),
-        "{} holds another experiment than {name}; choose another folder with --out",
-        folder.join(row::FILE).display()
-    );
-    let before = std::fs::read_to_string(copy).unwrap_or_else(|_| text.into());
-    ensure!(
-        detectors::in_full(&before) == detectors::in_full(text),
-        "{name} differs from the experiment that this record was begun with; choose another folder \
-         with --out"
-    );
-    Ok(())
-}
-
-/// Checks that a quick run does not continue a full run, nor a full run a quick one.
-fn same_extent(folder: &Path, rows: &[Row], quick: bool) -> anyhow::Result<()> {
-    let begun = provenance::of_folder(folder).and_then(|all| all["quick"].as_bool());
-    let (begun, other) = match begun.filter(|&begun| begun != quick && !rows.is_empty()) {
-        None => return Ok(()),
-        Some(true) => ("with --quick", "with it"),
-        Some(false) => ("without --quick", "without it"),
-    };
-    bail!(
-        "{} was begun {begun}; continue it {other}, or choose another folder with --out",
-        folder.display()
-    )
-}
-
 const BASE: &str = "against_sha256";
 
-/// Checks that run and record are compared with the same other build, or both with none.
-fn same_base(folder: &Path, rows: &[Row], now: Option<&str>) -> anyhow::Result<()> {
-    if rows.is_empty() {
-        return Ok(());
+/// How the record in a folder was begun, from its provenance.
+struct Begun(Value);
+
+impl Begun {
+    fn new(folder: &Path) -> Begun {
+        Begun(provenance::of_folder(folder).unwrap_or_default())
     }
-    let beside = rows.iter().any(|row| row.role.base_of().is_some());
-    let begun = provenance::of_folder(folder).and_then(|all| all[BASE].as_str().map(String::from));
-    let folder = folder.display();
-    match (now, begun) {
-        (None, _) if beside => bail!(
-            "{folder} was begun beside another build; continue it with --against and that build"
-        ),
-        (Some(_), _) if !beside => bail!(
-            "{folder} was begun without another build; continue it without --against, or choose \
-             another folder with --out"
-        ),
-        (Some(now), Some(begun)) if now != begun => bail!(
-            "{folder} was begun beside another build than that of --against (SHA-256 {begun}, this \
-             {now}); choose another folder with --out"
-        ),
-        _ => Ok(()),
+
+    fn text(&self, key: &str) -> Option<&str> {
+        self.0[key].as_str()
+    }
+
+    /// Fails if a run with these options would continue another run.
+    fn fits(&self, asked: &Asked, folder: &Path, rows: &[Row], base: &str) -> anyhow::Result<()> {
+        let place = folder.display();
+        let remedy = "choose another folder with --out";
+        let quick = self.0["quick"].as_bool().unwrap_or(asked.quick);
+        let beside = rows.iter().any(|row| row.role.base_of().is_some());
+        let options = [(quick, asked.quick, "--quick"), (beside, !base.is_empty(), "--against")];
+        for (was, is, option) in options {
+            let with = if was { "with" } else { "without" };
+            ensure!(was == is, "{place} was begun {with} {option}; continue it so, or {remedy}");
+        }
+        let sha256 = self.text(BASE).unwrap_or(base);
+        ensure!(
+            !beside || sha256 == base,
+            "{place} was begun beside another build (SHA-256 {sha256}) than that of --against \
+             ({base}); {remedy}"
+        );
+        for (experiment, text) in &asked.experiments {
+            let (name, copy) = (&experiment.name, copy(folder, &experiment.name));
+            ensure!(copy.exists(), "{place} holds another experiment than {name}; {remedy}");
+            let before = std::fs::read_to_string(copy).unwrap_or_else(|_| text.clone());
+            ensure!(
+                detectors::in_full(&before) == detectors::in_full(text),
+                "{name} differs from the experiment that this record was begun with; {remedy}"
+            );
+        }
+        Ok(())
     }
 }
 
@@ -284,9 +266,7 @@ fn previous(
              apart in the report"
         ));
     }
-    let begun =
-        provenance::of_folder(of).and_then(|all| Some(all["revision"].as_str()?.to_string()));
-    if let (Some(begun), Some(now)) = (begun, provenance::revision())
+    if let (Some(begun), Some(now)) = (Begun::new(of).text("revision"), provenance::revision())
         && begun != now
     {
         note(format!(

@@ -3,6 +3,7 @@
 
 use crate::run::runner::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
 use contactbench_ground::probe::Op;
+use contactbench_terms::must;
 
 /// Minimum number of detections of a sample that may be shorter than requested, because a detection
 /// may be shorter than the clock's resolution.
@@ -44,131 +45,78 @@ fn answers(found: &Found, asked: &Asked) -> Result<(), String> {
     if let Some((name, len)) = steps.unlike(frames) {
         return Err(format!("{name} has {len} values, and the trajectory {frames} frames"));
     }
-    if steps.last() != (*contacts, digest.clone()) {
-        return Err("contacts and digest are not those of the last frame".into());
+    let last = steps.last() == (*contacts, digest.clone());
+    must!(last, "contacts and digest are not those of the last frame");
+    for (k, &contacts) in steps.contacts.iter().enumerate() {
+        let built = steps.built.get(k) == Some(&true);
+        let begun = k > 0 || contacts == 0 || built || steps.built.is_empty();
+        must!(begun, "it reports step_built false in frame 0: each pass begins with a reset");
+        let dangerous = steps.dangerous.get(k) == Some(&true);
+        must!(built || !dangerous, "it reports step_dangerous true in frame {k}, without a build");
+        let Some(&listed) = steps.listed.get(k) else { continue };
+        let said = format!("it reports step_listed {listed} in frame {k}");
+        must!(listed >= contacts, "{said}, and found {contacts} contacts there");
+        let most = asked.most_listed.unwrap_or(u64::MAX);
+        must!(
+            listed <= most,
+            "{said}, and its particles have {most} pairs, counted from both sides"
+        );
+        let (waited, ns) = (asked.waited_ns, listed.div_ceil(MOST_LISTED_PER_NS));
+        must!(ns <= waited, "{said}, within {waited} ns");
     }
-    let mut frames = steps.contacts.iter().enumerate();
-    frames.try_for_each(|(k, &contacts)| tracked(steps, k, contacts, asked))
-}
-
-fn tracked(steps: &Steps, k: usize, contacts: u64, asked: &Asked) -> Result<(), String> {
-    let built = steps.built.get(k);
-    let listed = steps.listed.get(k).copied();
-    Err(if let Some(listed) = listed.filter(|&listed| listed < contacts) {
-        format!(
-            "it reports step_listed {listed} in frame {k}, and found {contacts} contacts there: \
-             every contact is a pair that was looked at"
-        )
-    } else if let Some((listed, most)) =
-        listed.zip(asked.most_listed).filter(|(it, most)| it > most)
-    {
-        format!(
-            "it reports step_listed {listed} in frame {k}, and its particles have {most} pairs, \
-             each counted from both sides"
-        )
-    } else if listed.unwrap_or(0).div_ceil(MOST_LISTED_PER_NS) > asked.waited_ns {
-        format!(
-            "it reports step_listed {} in frame {k}, within {} ns",
-            listed.unwrap_or(0),
-            asked.waited_ns
-        )
-    } else if k == 0 && contacts > 0 && built == Some(&false) {
-        "it reports step_built false in frame 0: a pass begins with a reset, and what was found \
-         was built after it"
-            .into()
-    } else if steps.dangerous.get(k) == Some(&true) && built != Some(&true) {
-        format!(
-            "it reports step_dangerous true in frame {k}, and not step_built: a build is \
-             dangerous, not a frame without one"
-        )
-    } else {
-        return Ok(());
-    })
+    Ok(())
 }
 
 /// Checks that there are as many contact tests, if counted, as contacts in all frames, or more.
 fn count(Counted { counts, found }: &Counted) -> Result<(), String> {
-    let tests = counts.get(Op::ContactTest.name()).copied();
+    let tests = counts.get(Op::ContactTest.name()).copied().unwrap_or(0);
     let each = found.steps.contacts.iter();
     let all = each.fold(0u64, |all, &one| all.saturating_add(one)).max(found.contacts);
-    match tests.filter(|&tests| tests > 0 && tests < all) {
-        None => Ok(()),
-        Some(tests) => Err(format!(
-            "it reports contact_test {tests}, and found {all} contacts: each takes a test; leave \
-             the operation out where it is not counted"
-        )),
-    }
+    let enough = tests == 0 || tests >= all;
+    must!(enough, "it reports contact_test {tests}, and found {all} contacts: each takes a test");
+    Ok(())
 }
 
 fn sample(sample: &Sample, asked: &Asked) -> Result<(), String> {
-    let &Sample { time_ns, calls, ref step_ns, .. } = sample;
-    let frames = asked.frames as u64;
-    Err(if asked.frames > 1 {
-        let all = step_ns.iter().fold(0u64, |all, &ns| all.saturating_add(ns));
-        let same = all.abs_diff(time_ns.saturating_mul(frames)) <= frames;
-        if step_ns.len() == asked.frames && same && calls.is_multiple_of(frames) {
-            return one(sample, asked);
+    let &Sample { time_ns, calls, elapsed_ns, first_ns, building_ns, ref step_ns, .. } = sample;
+    let (frames, &Asked { min_ns, waited_ns, .. }) = (asked.frames as u64, asked);
+    let all = step_ns.iter().fold(0u64, |all, &ns| all.saturating_add(ns));
+    let by_frame = match frames {
+        ..=1 => step_ns.len() <= 1 && (step_ns.is_empty() || all == time_ns),
+        _ => {
+            step_ns.len() as u64 == frames
+                && all.abs_diff(time_ns.saturating_mul(frames)) <= frames
+                && calls.is_multiple_of(frames)
         }
-        format!(
-            "it reports for {frames} frames time_ns {time_ns}, calls {calls} and {} numbers in \
-             step_ns, together {all}: step_ns has one number for each frame, time_ns is their \
-             mean, and every frame is looked at equally often",
-            step_ns.len()
-        )
-    } else if step_ns.iter().any(|&ns| ns != time_ns) || step_ns.len() > 1 {
-        format!(
-            "it reports for one frame time_ns {time_ns} and step_ns {step_ns:?}: step_ns has one \
-             number for each frame"
-        )
-    } else {
-        return one(sample, asked);
-    })
-}
-
-fn one(sample: &Sample, asked: &Asked) -> Result<(), String> {
-    let &Sample { time_ns, calls, elapsed_ns, building_ns, first_ns, .. } = sample;
-    let Asked { min_ns, waited_ns, .. } = *asked;
-    let first = first_ns.unwrap_or(0);
-    Err(if calls == 0 {
-        "it reports calls 0: a sample has at least one detection".into()
-    } else if u128::from(time_ns)
-        .saturating_mul(calls.into())
-        .abs_diff(elapsed_ns.into())
-        .gt(&calls.into())
-    {
-        format!(
-            "it reports time_ns {time_ns}, calls {calls}, elapsed_ns {elapsed_ns}: time_ns is \
-             elapsed_ns / calls, rounded"
-        )
-    } else if time_ns == 0 || elapsed_ns == 0 {
-        format!(
-            "it reports time_ns {time_ns}, elapsed_ns {elapsed_ns}: every detection takes time, \
-             and is repeated until the clock can tell how much"
-        )
-    } else if building_ns.is_some_and(|building| building > time_ns.saturating_add(1)) {
-        format!(
-            "it reports building_ns {} and time_ns {time_ns}, of which that is a part",
-            building_ns.unwrap_or(0)
-        )
-    } else if first_ns == Some(0) {
-        "it reports first_ns 0: every detection takes time; leave it out where the clock cannot \
-         tell"
-            .into()
-    } else if elapsed_ns.saturating_add(first) > waited_ns {
-        let first = first_ns.map_or(String::new(), |first| format!(" and first_ns {first}"));
-        format!(
-            "it reports elapsed_ns {elapsed_ns}{first}, but its answer was there after {waited_ns} \
-             ns: are these nanoseconds?"
-        )
+    };
+    must!(
+        by_frame,
+        "it reports time_ns {time_ns}, calls {calls} and {} numbers in step_ns, together {all}: \
+         step_ns has one number for each of {frames} frames, and time_ns is their mean",
+        step_ns.len()
+    );
+    must!(calls > 0, "it reports calls 0: a sample has at least one detection");
+    let mean = u128::from(time_ns).saturating_mul(calls.into()).abs_diff(elapsed_ns.into());
+    let said = format!("it reports time_ns {time_ns}, calls {calls}, elapsed_ns {elapsed_ns}");
+    must!(mean <= calls.into(), "{said}: time_ns is elapsed_ns / calls, rounded");
+    must!(time_ns > 0 && elapsed_ns > 0, "{said}: every detection takes time; repeat it");
+    let (building, first) = (building_ns.unwrap_or(0), first_ns.unwrap_or(0));
+    let part = building <= time_ns.saturating_add(1);
+    must!(part, "it reports building_ns {building} and time_ns {time_ns}, of which that is a part");
+    must!(first_ns != Some(0), "it reports first_ns 0: leave it out if the clock is too coarse");
+    must!(
+        elapsed_ns.saturating_add(first) <= waited_ns,
+        "it reports elapsed_ns {elapsed_ns} and first_ns {first}, but its answer was there after \
+         {waited_ns} ns: are these nanoseconds?"
+    );
     // A sample of several frames may be shorter, because each pass reads all files.
-    } else if elapsed_ns < min_ns / 10 && calls < MOST_CALLS && asked.frames == 1 {
-        format!(
-            "asked for {min_ns} ns, it measured only {elapsed_ns} ns: repeat the detection until \
-             min_ns are over"
-        )
-    } else {
-        return Ok(());
-    })
+    let long = elapsed_ns >= min_ns / 10 || calls >= MOST_CALLS || frames != 1;
+    must!(
+        long,
+        "asked for {min_ns} ns, it measured only {elapsed_ns} ns: repeat the detection until \
+         min_ns are over"
+    );
+    Ok(())
 }
 
 /// Returns whether some frame used an earlier list, or a list with pairs that do not touch.
@@ -180,30 +128,26 @@ fn keeps_a_list(steps: &Steps) -> bool {
 fn memory(memory: &Memory, asked: &Asked) -> Result<(), String> {
     let &Memory { peak_bytes, live_bytes, allocations, warm_allocations, formula_bytes, .. } =
         memory;
-    if [peak_bytes, live_bytes, allocations] == [0; 3] && keeps_a_list(&memory.found.steps) {
-        return Err("it reports peak_bytes, live_bytes and allocations 0, and keeps a list from \
-                    frame to frame: a list takes memory; answer unsupported where it cannot be \
-                    measured"
-            .into());
-    }
-    if peak_bytes < live_bytes {
-        return Err(format!(
-            "it reports peak_bytes {peak_bytes} and live_bytes {live_bytes}: the most bytes held \
-             are not fewer than those held at the end"
-        ));
-    }
-    let bytes = [("peak_bytes", Some(peak_bytes)), ("formula_bytes", formula_bytes)];
-    let mut known = bytes.into_iter().filter_map(|(name, bytes)| Some((name, bytes?)));
-    if let Some(limit) = asked.memory_limit
-        && let Some((name, bytes)) = known.find(|&(_, bytes)| bytes > limit)
+    let some = [peak_bytes, live_bytes, allocations] != [0; 3];
+    must!(
+        some || !keeps_a_list(&memory.found.steps),
+        "it reports no bytes and no allocations, and keeps a list, and a list takes memory; answer \
+         unsupported where it cannot be measured"
+    );
+    must!(
+        peak_bytes >= live_bytes,
+        "it reports peak_bytes {peak_bytes} and live_bytes {live_bytes}: the most bytes held are \
+         not fewer than those held at the end"
+    );
+    let limit = asked.memory_limit.unwrap_or(u64::MAX);
+    for (name, bytes) in [("peak_bytes", peak_bytes), ("formula_bytes", formula_bytes.unwrap_or(0))]
     {
-        return Err(format!("it reports {name} {bytes}, and has {limit} bytes of address space"));
+        let fits = bytes <= limit;
+        must!(fits, "it reports {name} {bytes}, and has {limit} bytes of address space");
     }
     // No allocator can make more than one allocation per nanosecond.
-    let pieces = allocations.max(warm_allocations.unwrap_or(0));
-    if pieces > asked.waited_ns {
-        return Err(format!("it reports {pieces} allocations within {} ns", asked.waited_ns));
-    }
+    let (pieces, waited) = (allocations.max(warm_allocations.unwrap_or(0)), asked.waited_ns);
+    must!(pieces <= waited, "it reports {pieces} allocations within {waited} ns");
     Ok(())
 }
 

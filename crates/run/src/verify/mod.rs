@@ -8,20 +8,15 @@
 mod compare;
 pub mod frame;
 pub mod frames;
-mod guess;
 mod listing;
 mod mistake;
-mod other;
 pub mod paired;
-mod rows;
-mod search;
 
 pub use compare::Taken;
 use compare::{Against, Compared};
-use listing::{ImagesOf, Listing, Taking};
 pub use listing::{Listed, Meaning, NamedPair, Naming};
-pub use mistake::{Mistake, Reading, rounded_up};
-use search::Search;
+use listing::{Listing, Taking};
+pub use mistake::{Mistake, Reading, explain};
 
 use crate::run::judge::{Judge, Said};
 use crate::run::runner::protocol::Found;
@@ -36,8 +31,6 @@ use contactbench_scenes::touching::gap;
 
 /// Maximum number of kept pairs of each kind, missed or spurious, by default.
 pub const WORST: usize = 100;
-/// Memory that the search for mistakes may need, in bytes per pair of the list and of the truth.
-const READING_BYTES: u64 = 128;
 
 /// Differences between list and truth that are not errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,6 +74,8 @@ pub struct Verification {
     pub spurious: Vec<(ImagePair, f64)>,
     /// Pairs listed in one direction only, although both are expected.
     pub one_sided: Vec<NamedPair>,
+    /// Widest gap of a spurious pair, as a length.
+    pub widest_gap: f64,
     /// Number of listed pairs that do not touch but are within the skin.
     pub within_skin: u64,
     pub taken: Taken,
@@ -114,7 +109,7 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
         truth.shifted.retain(|pair| !groups.leave_out(pair.i, pair.j));
     }
     let Terms { allowed: Allowed { both_sides, skin }, without, kept, .. } = terms;
-    let taking = Taking { naming, images: ImagesOf::Second, both_sides, without };
+    let taking = Taking { naming, both_sides, without };
     let listing = Listing::new(list, taking, space.scene().len())?;
     left_out = [left_out[0] - truth.len(), listing.left_out];
     let near = match boxed && skin > 0.0 && !listing.has_images {
@@ -124,57 +119,18 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
     let against = Against { space, truth: &truth, near: &near, skin, kept };
     let Compared { taken, errors, missed, spurious, within_skin } = against.hold(&listing);
     let Listing { unknown, one_sided, .. } = listing;
-    let (missed, spurious) = (missed.pairs, spurious.pairs);
     Ok(Verification {
         truth,
         errors,
         unknown,
-        missed,
-        spurious,
+        missed: missed.pairs,
+        widest_gap: spurious.gap,
+        spurious: spurious.pairs,
         one_sided,
         within_skin,
         taken,
         left_out,
     })
-}
-
-/// Finds the mistakes that best explain the differences of a list. They must at least halve the
-/// number of differing pairs. `declared` is the box of the particle file, if the list was compared
-/// in open space. Fails if memory runs out.
-pub fn explain(
-    job: &Job<'_>,
-    found: &Verification,
-    declared: Option<&Periodic<'_>>,
-) -> anyhow::Result<Option<Reading>> {
-    let plain = job.terms.allowed == Allowed::default() && job.terms.without.is_none();
-    let pairs = job.list.pairs.len() as u64 + found.truth.len();
-    // The search is only a hint, so it must not use all memory. An empty list explains nothing,
-    // unless all contacts are ties.
-    if found.is_same()
-        || !plain
-        || pairs * READING_BYTES > job.terms.memory_limit
-        || job.list.pairs.is_empty() && found.errors.deepest_miss > 0.0
-    {
-        return Ok(None);
-    }
-    let reading = Search::best(job, &found.truth, declared.is_none())?;
-    let explained = reading.as_ref().is_some_and(|reading| reading.wrong == 0);
-    let Some(declared) = declared.filter(|_| !explained) else { return Ok(reading) };
-    let job = Job { space: declared, ..*job };
-    // The search is only a hint, so its errors are ignored.
-    let in_box = in_declared(&job).unwrap_or_default();
-    Ok(in_box.or(reading))
-}
-
-/// Returns the mistakes that explain all differences in the box of the file, or `None`.
-fn in_declared(job: &Job<'_>) -> anyhow::Result<Option<Reading>> {
-    let found = verify(job)?;
-    let reading = match found.is_same() {
-        true => Some(Reading::plain(job.list.pairs.len() as u64)),
-        false => Search::best(job, &found.truth, false)?,
-    };
-    let reading = reading.filter(|it| it.wrong == 0 && !it.mistakes.contains(&Mistake::Open));
-    Ok(reading.map(|reading| reading.declared(job.space.lattice().periodic())))
 }
 
 /// Returns errors by cause of a list whose contacts were decided in `arithmetic`; `None` without a

@@ -77,21 +77,9 @@ impl Naming {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ImagesOf<'a> {
-    /// Images belong to the second particle, as `verify` expects.
-    Second,
-    First,
-    /// Images belong to the second particle, as if all particles were wrapped into the box. The
-    /// value is the periodic copy of the box in which each particle really lies.
-    Wrapped(&'a [[i32; 3]]),
-    LeftOut,
-}
-
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Taking<'a> {
     pub naming: &'a Naming,
-    pub images: ImagesOf<'a>,
     /// Whether the list has each pair in both directions, which count as one.
     pub both_sides: bool,
     pub without: Option<&'a Groups>,
@@ -110,11 +98,10 @@ pub(super) struct Listing {
 impl Listing {
     /// Translates a list for a scene of `n` particles. Fails if memory runs out.
     pub fn new(list: Listed<'_>, taking: Taking<'_>, n: usize) -> anyhow::Result<Listing> {
-        let Taking { naming, images, both_sides, without } = taking;
-        let of = list.images.filter(|_| images != ImagesOf::LeftOut);
-        let mut listing = Listing { has_images: of.is_some(), ..Listing::default() };
+        let Taking { naming, both_sides, without } = taking;
+        let mut listing = Listing { has_images: list.images.is_some(), ..Listing::default() };
         let mut sides = [ContactList::default(), ContactList::default()];
-        if of.is_none() && !both_sides {
+        if list.images.is_none() && !both_sides {
             let count = list.pairs.len();
             let room = sides[0].plain.try_reserve_exact(count);
             room.with_context(|| {
@@ -131,7 +118,7 @@ impl Listing {
                 listing.left_out += 1;
                 continue;
             }
-            let image = of.map_or([0; 3], |of| shift(of[k], images, [a, b]));
+            let image = list.images.map_or([0; 3], |images| images[k]);
             let pair = ImagePair::new(a, b, image);
             let turned = both_sides && (pair.i, pair.j, pair.image) != (a, b, image);
             let side = &mut sides[usize::from(turned)];
@@ -165,21 +152,6 @@ impl Listing {
         );
         listing.one_sided = naming.names(&single);
         Ok(Listing { contacts: ContactList { plain: plain?, shifted: shifted? }, ..listing })
-    }
-
-    pub fn faults(&self) -> u64 {
-        (self.unknown.len() + self.one_sided.len()) as u64
-    }
-}
-
-fn shift(image: [i32; 3], of: ImagesOf<'_>, [a, b]: [u32; 2]) -> [i32; 3] {
-    match of {
-        ImagesOf::Second | ImagesOf::LeftOut => image,
-        ImagesOf::First => image.map(i32::wrapping_neg),
-        ImagesOf::Wrapped(cells) => {
-            let [a, b] = [a, b].map(|k| cells[k as usize]);
-            std::array::from_fn(|v| image[v].wrapping_add(a[v]).wrapping_sub(b[v]))
-        }
     }
 }
 

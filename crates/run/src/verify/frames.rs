@@ -5,11 +5,10 @@ use std::collections::HashMap;
 
 use anyhow::bail;
 
-use crate::check::verify::frame::{Asked, Hint, Verified};
-use crate::check::verify::other::{self, Shift};
-use crate::check::verify::paired::Matched;
-use crate::check::verify::{Meaning, Taken, Verification, WORST};
 use crate::moving::Late;
+use crate::verify::frame::{Asked, Hint, Verified};
+use crate::verify::paired::Matched;
+use crate::verify::{Meaning, Taken, Verification, WORST};
 use contactbench_detectors::oracle::Errors;
 use contactbench_ground::periodic::depth;
 use contactbench_io::pairs::List;
@@ -66,7 +65,6 @@ pub struct All {
     pub others: Vec<String>,
     /// The first wrong frame and its hint.
     pub hint: Option<(String, Hint)>,
-    shift: Shift,
 }
 
 impl All {
@@ -94,9 +92,7 @@ impl All {
         let explain = self.hint.is_none() && self.is_same();
         let mut verified = Verified::new(asked, list, particles, about, kept, explain)
             .map_err(|error| if self.several { error.context(which.clone()) } else { error })?;
-        if !self.several {
-            other::look(asked, &mut verified, about.frame);
-        } else if verified.found.errors.missed > kept as u64 {
+        if self.several && verified.found.errors.missed > kept as u64 {
             bail!(
                 "{which}: the list misses {}, more than can be followed in {memory} bytes; look at \
                  that frame alone (--frame {} --pairs-frame {list_frame}), or give a larger \
@@ -104,7 +100,8 @@ impl All {
                 counted(verified.found.errors.missed, "contact"),
                 about.frame
             );
-        } else {
+        }
+        if self.several {
             self.follow(&verified);
         }
         if let Some(hint) = verified.hint.take() {
@@ -166,18 +163,11 @@ impl All {
             images.map(|contact| depth(&verified.space, contact)).reduce(f64::max)
         };
         self.late.note(self.rows.len() as u64, &names, depth_of);
-        if !verified.found.is_same() || !self.is_same() {
-            self.shift.note(verified);
-        }
     }
 
     /// Completes the results after the last frame.
     pub fn end(&mut self) {
         self.late.end();
-        if let Some(sentence) = self.shift.sentence() {
-            let hint = Hint { sentence, flags: String::new(), wrong: 0 };
-            self.hint = Some(("all frames".into(), hint));
-        }
     }
 
     pub fn is_same(&self) -> bool {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::check::verify::{self, Allowed, Job, Listed, Meaning, Mistake, Naming, Reading};
-use crate::check::verify::{Terms, Verification};
+use crate::verify::{self, Allowed, Job, Listed, Meaning, Naming, Reading};
+use crate::verify::{Terms, Verification};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_ground::scene::{AnyScene, Lattice};
@@ -118,7 +118,7 @@ impl Verified {
             kept,
             without: groups.as_ref(),
         };
-        let (dim, mut declared) = (scene.dim(), None);
+        let dim = scene.dim();
         let space = match lattice {
             Some(lattice) => {
                 list.understood(dim, lattice.periodic())
@@ -129,9 +129,6 @@ impl Verified {
             None => {
                 let of_file = about.declared.as_ref();
                 open(asked, &mut list, of_file.and_then(|of| of.vectors).is_some())?;
-                if let Some(lattice) = asked.input.boundaries.left_out(dim, of_file) {
-                    declared = Some(Periodic::new(scene.clone(), lattice)?);
-                }
                 Periodic::new(scene, Lattice::OPEN)?
             }
         };
@@ -139,12 +136,10 @@ impl Verified {
         let job = Job { space: &space, list: listed, naming: &naming, others: &others, terms };
         let found = verify::verify(&job)?;
         let reading = match explain {
-            true => verify::explain(&job, &found, declared.as_ref())?,
+            true => verify::explain(&job, &found)?,
             false => None,
         };
-        let flags = about.declared.as_ref().and_then(|declared| declared.periodic);
-        let repeats = flags.is_some_and(|flags| flags.contains(&true));
-        let hint = reading.map(|reading| Hint::new(asked, &reading, dim, repeats));
+        let hint = reading.map(|reading| Hint::new(&reading));
         Ok(Verified { list, naming: naming.meaning(), ids, space, found, hint })
     }
 
@@ -215,31 +210,9 @@ fn open(asked: &Asked<'_>, list: &mut List, has_box: bool) -> anyhow::Result<()>
 }
 
 impl Hint {
-    /// Describes a reading; `repeats` states whether the file declares its box periodic.
-    fn new(asked: &Asked<'_>, reading: &Reading, dim: usize, repeats: bool) -> Hint {
-        // A box that the file declares needs no option.
-        let said = |mistake: &Mistake| matches!(mistake, Mistake::Declared(_)) && repeats;
-        let needed = reading.mistakes.iter().filter(|mistake| !said(mistake));
-        let flags: Vec<String> = needed.filter_map(|mistake| mistake.flags(dim)).collect();
-        let given = asked.input.boundaries;
-        let boxed =
-            |mistake: &Mistake| matches!(mistake, Mistake::Periods(_) | Mistake::Declared(_));
-        let instead = match reading.mistakes.iter().any(boxed) {
-            true if given.open => ": leave out --open",
-            true if given.periodic.is_some() => ": leave out --periodic none",
-            _ => "",
-        };
-        let flag = |name: &str| flags.iter().any(|flag| flag.starts_with(name));
-        let there = given.periodic.is_some() && (flag("--periodic") || flag("--open"))
-            || given.edges.is_some() && (flag("--box") || flag("--open"));
-        let flags = flags.join(" ");
-        let add = match (flags.is_empty(), instead.is_empty()) {
-            (true, _) => String::new(),
-            (_, false) => format!(", and add {flags}"),
-            (_, true) if there => format!(": give {flags} instead"),
-            _ => format!(": add {flags}"),
-        };
-        let sentence = format!("{}{instead}{add}", reading.sentence());
-        Hint { sentence, flags, wrong: reading.wrong }
+    fn new(reading: &Reading) -> Hint {
+        let flags = reading.mistake.flags();
+        let add = if flags.is_empty() { String::new() } else { format!(": add {flags}") };
+        Hint { sentence: reading.sentence() + &add, flags, wrong: reading.wrong }
     }
 }

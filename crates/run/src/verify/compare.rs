@@ -1,12 +1,9 @@
 //! Compares a contact list with the true contacts.
 
-use crate::check::verify::listing::Listing;
+use crate::verify::listing::Listing;
 use contactbench_detectors::oracle::Errors;
 use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, depth};
 use contactbench_scenes::touching::{gap, nearest};
-
-/// Widest gap of a pair that a skin may explain, in mean radii.
-pub(super) const FAR: f64 = 2.5;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Taken {
@@ -91,20 +88,14 @@ impl Against<'_> {
                 found.within_skin += 1;
             }
             Difference::Added => {
-                let deep = depth(self.space, pair);
-                found.spurious.add(pair, deep, self.kept);
-                if deep < -FAR {
-                    found.spurious.far += 1;
-                } else {
-                    found.spurious.widest = found.spurious.widest.max(-deep);
-                    found.spurious.gap = found.spurious.gap.max(gap(self.space, pair));
-                }
+                found.spurious.add(pair, depth(self.space, pair), self.kept);
+                found.spurious.gap = found.spurious.gap.max(gap(self.space, pair));
             }
         }
     }
 
     /// Returns, for each touching pair, the image with the largest overlap.
-    pub fn deepest(&self) -> ContactList {
+    fn deepest(&self) -> ContactList {
         let ends = |pair: &ImagePair| [pair.i, pair.j];
         let deep = |pair: ImagePair| depth(self.space, pair);
         let mut shifted = Vec::new();
@@ -203,10 +194,7 @@ pub(super) struct Worst {
     pub pairs: Vec<(ImagePair, f64)>,
     pub count: u64,
     largest: f64,
-    /// Number of pairs with a gap above [`FAR`].
-    pub far: u64,
-    /// Widest gap that is at most [`FAR`], in mean radii; `gap` is its length.
-    pub widest: f64,
+    /// Widest gap, as a length.
     pub gap: f64,
 }
 
