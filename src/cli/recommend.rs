@@ -1,22 +1,22 @@
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::{Context, ensure};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::doubt_given;
 use crate::cli::shared::limit::Limit;
+use crate::cli::shared::output::Output;
 use crate::cli::shared::scene::Source;
-use crate::cli::shared::{terminal, values};
+use crate::cli::shared::values;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_io::Given;
 use contactbench_io::boxes::along;
 use contactbench_record::record::row::Outcome;
 use contactbench_record::stats::interval::ratio;
-use contactbench_report::document::indented;
 use contactbench_report::table::Table;
 use contactbench_run::recommend::race::{self, Question};
 use contactbench_run::recommend::subject::{Race, RacedSubject, fastest};
@@ -74,59 +74,47 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let race = race::run(&question, &mut note)?;
     note("");
     let verdict = Verdict::new(&race);
-    let scene = &given.scene;
-    let n = scene.len();
-    let mut out = terminal::out();
-    if options.json {
-        let mut value = words::as_json(verdict.as_ref(), &race, n);
-        let about = json!({
-            "scene": name,
-            "dim": scene.dim(),
-            "n": n,
-            "contacts": race.contacts,
-            "arithmetic": arithmetic.name(),
-            "threads": threads,
-            "seconds": seconds,
-            "memory_limit": memory_limit,
-        });
-        if let (Some(value), serde_json::Value::Object(about)) = (value.as_object_mut(), about) {
-            value.extend(about);
-        }
-        terminal::json(&value)?;
-    } else {
-        let what = if scene.dim() == 2 { "discs" } else { "spheres" };
-        let boxed = match &given.lattice {
-            Some(lattice) => format!(" in a box periodic along {}", along(lattice.periodic())),
-            None => String::new(),
-        };
-        let (contacts, decided) = (plural(race.contacts as usize, "contact"), arithmetic.name());
-        let threads = plural(threads, "thread");
-        writeln!(
-            out,
-            "{name}: {n} {what}{boxed}, {contacts}, {decided} arithmetic, {threads}, {}",
-            plural(race.blocks as usize, "block")
-        )?;
-        write!(out, "{}", table(&race, verdict.as_ref(), n).plain(terminal::width()))?;
-        match &verdict {
-            Some(verdict) => {
-                writeln!(out)?;
-                tell(&mut out, &words::sentence(verdict, &race, n))?;
-            }
-            None => writeln!(
-                out,
-                "\nuse none: no detector gave a right answer in time; see the reasons above"
-            )?,
-        }
+    let mut out = Output::new(options.json);
+    out.values(json!({ "seconds": seconds, "memory_limit": memory_limit }));
+    head(&mut out, &name, &question, race.contacts, race.blocks);
+    let n = given.scene.len();
+    out.values(words::as_json(verdict.as_ref(), &race, n));
+    out.table(&table(&race, verdict.as_ref(), n));
+    out.gap();
+    let none = "none: no detector gave a right answer in time; see the reasons above".into();
+    let said = verdict.as_ref().map_or(none, |verdict| words::sentence(verdict, &race, n));
+    for (k, line) in said.lines().enumerate() {
+        let text = if k == 0 { format!("use {line}") } else { format!("  {}", line.trim_start()) };
+        out.line("", text, Value::Null);
     }
+    out.print()?;
     Ok(code(&race, verdict.as_ref()))
 }
 
-fn tell(out: &mut dyn Write, said: &str) -> std::io::Result<()> {
-    for (k, line) in said.lines().enumerate() {
-        let head = if k == 0 { "use " } else { "  " };
-        write!(out, "{}", indented(head, line.trim_start(), terminal::width()))?;
-    }
-    Ok(())
+/// Prints what was measured.
+fn head(out: &mut Output, name: &str, question: &Question<'_>, contacts: u64, blocks: u32) {
+    let Question { given, arithmetic, threads, .. } = *question;
+    let (n, dim) = (given.scene.len(), given.scene.dim());
+    let what = if dim == 2 { "discs" } else { "spheres" };
+    let boxed = given.lattice.as_ref().map_or(String::new(), |lattice| {
+        format!(" in a box periodic along {}", along(lattice.periodic()))
+    });
+    let text = format!(
+        "{name}: {n} {what}{boxed}, {}, {} arithmetic, {}, {}",
+        plural(contacts as usize, "contact"),
+        arithmetic.name(),
+        plural(threads, "thread"),
+        plural(blocks as usize, "block")
+    );
+    let values = json!({
+        "scene": name,
+        "dim": dim,
+        "n": n,
+        "contacts": contacts,
+        "arithmetic": arithmetic.name(),
+        "threads": threads,
+    });
+    out.line("", text, values);
 }
 
 fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {

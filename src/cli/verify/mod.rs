@@ -2,7 +2,6 @@
 
 mod print;
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -12,7 +11,6 @@ use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::{self, Input, Told};
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
-use crate::cli::shared::terminal;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_io::pairs::{self, List};
 use contactbench_io::{self as io, About, Frame, Particles, Without};
@@ -113,12 +111,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     told.end(&file);
     all.end();
     ensure!(!all.rows.is_empty(), "{list_file}: no frame has a list");
-    let page = print::Page { options, all: &all };
-    if options.json {
-        terminal::json(&page.json())?;
-    } else {
-        writeln!(terminal::out(), "{}", page.text())?;
-    }
+    print::print(options, &all)?;
     Ok(ExitCode::from(u8::from(!all.is_same())))
 }
 

@@ -2,9 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::cli::shared::terminal;
+use crate::cli::shared::output::Output;
 use crate::cli::verify::Verify;
-use contactbench_detectors::oracle::Errors;
 use contactbench_ground::periodic::ImagePair;
 use contactbench_io::boxes::along;
 use contactbench_io::pairs;
@@ -14,338 +13,276 @@ use contactbench_run::verify::frame::Verified;
 use contactbench_run::verify::frames::{All, Row, counted};
 use contactbench_run::verify::{Meaning, Taken};
 use contactbench_scenes::touching::particle;
-use contactbench_terms::number::{mean_radii, number, plural, wrap};
+use contactbench_terms::number::{mean_radii, number, plural};
 
 /// Maximum number of frames in the table.
 const FRAMES: usize = 12;
 /// Maximum number of pairs printed of each kind of error.
 const PAIRS: usize = 5;
 
-pub(super) struct Page<'a> {
-    pub options: &'a Verify,
-    pub all: &'a All,
+pub(super) fn print(options: &Verify, all: &All) -> std::io::Result<()> {
+    let mut out = Output::new(options.json);
+    let one = all.rows.first().zip(all.last.as_ref()).filter(|_| !all.several);
+    files(&mut out, options, all, one.map(|(_, one)| one));
+    conditions(&mut out, all);
+    out.values(json!({ "same": all.is_same(), "errors": all.errors() }));
+    match one {
+        Some((row, one)) => {
+            out.values(row_json(row));
+            frame(&mut out, row, one, all);
+        }
+        None => frames(&mut out, all),
+    }
+    let hint = all.hint.as_ref().map(|(_, hint)| hint);
+    if let Some((which, hint)) = &all.hint {
+        let from = if all.several { format!(", from {which}") } else { String::new() };
+        out.gap();
+        out.line("", format!("hint{from}: {}", hint.sentence), Value::Null);
+    }
+    if let Some((_, one)) = one {
+        let flags = hint.map(|hint| &hint.flags).filter(|flags| !flags.is_empty());
+        out.values(json!({ "hint": flags, "reading": hint.map(|hint| &hint.sentence) }));
+        let (errors, found) = (one.found.errors, &one.found);
+        let shown = hint.is_none_or(|hint| hint.wrong > 0);
+        worst(&mut out, one, ("missed", "overlap"), &found.missed, errors.missed, shown);
+        worst(&mut out, one, ("spurious", "gap"), &found.spurious, errors.spurious, shown);
+    } else {
+        out.values(json!({ "hint": hint.map(|hint| &hint.sentence) }));
+    }
+    out.print()
 }
 
-impl Page<'_> {
-    /// Returns the only frame; `None` with `--frame all`.
-    fn one(&self) -> Option<(&Row, &Verified)> {
-        let all = self.all;
-        all.rows.first().zip(all.last.as_ref()).filter(|_| !all.several)
+/// Prints which files were compared, and what they hold.
+fn files(out: &mut Output, options: &Verify, all: &All, one: Option<&Verified>) {
+    let sum = |of: fn(&Row) -> u64| all.rows.iter().map(of).sum::<u64>();
+    let sizes = || all.rows.iter().map(|row| row.particles);
+    let particles = match (sizes().min(), sizes().max()) {
+        (Some(least), Some(most)) if least < most => format!("{least} to {most} particles"),
+        (_, most) => plural(most.unwrap_or_default(), "particle"),
+    };
+    let (frames, by) = match (all.several, all.matched.by_step) {
+        (false, _) => (String::new(), ""),
+        (true, true) => (plural(all.rows.len(), "frame") + ", ", "; frames by time step"),
+        (true, false) => (plural(all.rows.len(), "frame") + ", ", "; frames by number"),
+    };
+    let axes = one.and_then(Verified::lattice).map(|lattice| lattice.periodic());
+    let boxed =
+        axes.map_or(String::new(), |axes| format!(" in a box periodic along {}", along(axes)));
+    let file = options.file.display().to_string();
+    let contacts = counted(sum(|row| row.contacts), "touching pair");
+    let arithmetic = options.arithmetic.name();
+    out.line(
+        "",
+        format!("{file}: {frames}{particles}, {contacts}{boxed} ({arithmetic} arithmetic)"),
+        json!({ "file": file, "arithmetic": arithmetic }),
+    );
+    if let Some(one) = one {
+        out.values(json!({ "periodic": axes.map(|axes| axes[..one.scene().dim()].to_vec()) }));
     }
-
-    pub fn text(&self) -> String {
-        let all = self.all;
-        let mut lines = Lines(Vec::new());
-        self.heads().iter().for_each(|head| lines.text(head));
-        match self.one() {
-            _ if all.is_same() && !all.several => {
-                lines.text("the same: no missed, spurious or repeated pairs");
-            }
-            Some((row, one)) => self.errors(row, one, &mut lines),
-            None => self.table(&mut lines),
-        }
-        if let Some((which, hint)) = &all.hint {
-            let from = if all.several { format!(", from {which}") } else { String::new() };
-            lines.part(&format!("hint{from}: {}", hint.sentence));
-        }
-        if let Some((_, one)) = self.one()
-            && all.hint.as_ref().is_none_or(|(_, hint)| hint.wrong > 0)
-        {
-            let errors = one.found.errors;
-            lines.pairs(one, "missed", "overlap", &one.found.missed, errors.missed);
-            lines.pairs(one, "spurious", "gap", &one.found.spurious, errors.spurious);
-        }
-        lines.0.join("\n")
+    let (format, naming, taken) = all.read.unwrap_or(("", Meaning::Base(0), None));
+    let naming = match naming {
+        Meaning::Base(base) => format!("particles numbered from {base}"),
+        Meaning::Ids => "particles named by column id".into(),
+    };
+    let (pairs, listed) = (options.pairs.display().to_string(), sum(|row| row.listed as u64));
+    out.line(
+        "",
+        format!("{pairs}: {} ({format}; {naming}){by}", counted(listed, "pair")),
+        json!({ "pairs": pairs, "format": format, "numbers": naming }),
+    );
+    let taken = taken.map(|taken| match taken {
+        Taken::Pairs => ("pairs", "pairs; each pair touches through one image"),
+        Taken::Images => ("images", "pairs with their images"),
+        Taken::Each => ("each", "pairs without images, one for each image that touches"),
+        Taken::Once => ("once", "pairs without images, one for all images that touch"),
+    });
+    out.values(json!({ "compared": taken.map(|(name, _)| name) }));
+    if let Some((_, words)) = taken {
+        out.line("", format!("compared: {words}"), Value::Null);
     }
+}
 
-    /// Returns what was compared, and how.
-    fn heads(&self) -> Vec<String> {
-        let Page { options, all } = self;
-        let sum = |of: fn(&Row) -> u64| all.rows.iter().map(of).sum::<u64>();
-        let sizes = || all.rows.iter().map(|row| row.particles);
-        let particles = match (sizes().min(), sizes().max()) {
-            (Some(least), Some(most)) if least < most => format!("{least} to {most} particles"),
-            (_, most) => plural(most.unwrap_or_default(), "particle"),
-        };
-        let frames = match all.several {
-            true => format!("{}, ", plural(all.rows.len(), "frame")),
-            false => String::new(),
-        };
-        let axes = self.one().and_then(|(_, one)| one.lattice());
-        let by = match all.several {
-            true if all.matched.by_step => "; frames by time step",
-            true => "; frames by number",
-            false => "",
-        };
-        let (format, meaning, taken) = self.read();
-        let mut said = vec![
+/// Prints what was ignored, left out or allowed.
+fn conditions(out: &mut Output, all: &All) {
+    let [contacts, pairs] = all.left_out_pairs;
+    let within = all.rows.iter().map(|row| row.within_skin).sum();
+    let others: Vec<&str> = all.others.iter().map(String::as_str).collect();
+    let left_out: Vec<String> = all.matched.left_out.iter().take(6).map(u64::to_string).collect();
+    let more = if all.matched.left_out.len() > left_out.len() { " …" } else { "" };
+    let without = plural(all.matched.left_out.len(), "frame");
+    let empty = counted(all.matched.without_rows, "frame");
+    for (holds, words) in [
+        (!others.is_empty(), format!("ignored: {}", pairs::columns_of(&others))),
+        (all.both_sides, "pairs are listed from both sides and counted once".into()),
+        (
+            contacts + pairs > 0,
             format!(
-                "{}: {frames}{particles}, {}{} ({} arithmetic)",
-                options.file.display(),
-                counted(sum(|row| row.contacts), "touching pair"),
-                axes.map_or(String::new(), |lattice| {
-                    format!(" in a box periodic along {}", along(lattice.periodic()))
-                }),
-                options.arithmetic.name()
+                "left out: {}, {} of the list",
+                counted(contacts, "contact"),
+                counted(pairs, "pair")
             ),
-            format!(
-                "{}: {} ({format}; {meaning}){by}",
-                options.pairs.display(),
-                counted(sum(|row| row.listed as u64), "pair")
-            ),
-        ];
-        if !all.others.is_empty() {
-            let others: Vec<&str> = all.others.iter().map(String::as_str).collect();
-            said.push(format!("ignored: {}", pairs::columns_of(&others)));
-        }
-        if all.both_sides {
-            said.push("pairs are listed from both sides and counted once".into());
-        }
-        if all.left_out_pairs != [0; 2] {
-            let [contacts, pairs] = all.left_out_pairs;
-            let (contacts, pairs) = (counted(contacts, "contact"), counted(pairs, "pair"));
-            said.push(format!("left out: {contacts}, {pairs} of the list"));
-        }
-        if all.walls > 0 {
-            said.push(format!("left out: {} with walls", counted(all.walls, "contact")));
-        }
-        said.extend(taken.map(|[_, taken]| format!("compared: {taken}")));
-        let left_out = &all.matched.left_out;
-        if !left_out.is_empty() {
-            let frames: Vec<String> = left_out.iter().take(6).map(u64::to_string).collect();
-            said.push(format!(
-                "left out: {} without a list: {}{}",
-                plural(left_out.len(), "frame"),
-                frames.join(" "),
-                if left_out.len() > frames.len() { " …" } else { "" }
-            ));
-        }
-        if all.matched.without_rows > 0 {
-            said.push(format!(
-                "assumed to have no contacts, because the list has no rows: {}",
-                counted(all.matched.without_rows, "frame")
-            ));
-        }
-        let within = sum(|row| row.within_skin);
-        if within > 0 {
-            said.push(format!("allowed within the skin: {}", counted(within, "pair")));
-        }
-        said
-    }
-
-    /// Returns the format of the list, how it names particles, and how pairs were compared, as a
-    /// value in JSON and as a description.
-    fn read(&self) -> (&'static str, String, Option<[&'static str; 2]>) {
-        let Some((format, naming, taken)) = self.all.read else { return Default::default() };
-        let naming = match naming {
-            Meaning::Base(base) => format!("particles numbered from {base}"),
-            Meaning::Ids => "particles named by column id".into(),
-        };
-        let taken = taken.map(|taken| match taken {
-            Taken::Pairs => ["pairs", "pairs; each pair touches through one image"],
-            Taken::Images => ["images", "pairs with their images"],
-            Taken::Each => ["each", "pairs without images, one for each image that touches"],
-            Taken::Once => ["once", "pairs without images, one for all images that touch"],
-        });
-        (format, naming, taken)
-    }
-
-    /// Prints the number of wrong pairs of each kind, and the largest error.
-    fn errors(&self, row: &Row, one: &Verified, lines: &mut Lines) {
-        let (errors, found) = (&row.errors, &one.found);
-        let worst = |pairs: u64, what: &str, size: f64| match pairs {
-            0 => String::new(),
-            _ => format!("{what} {}", mean_radii(size)),
-        };
-        let overlap = worst(errors.missed, "deepest overlap", errors.deepest_miss);
-        let gap = worst(errors.spurious, "widest gap", errors.widest_false);
-        let mut rows = vec![
-            ("missed", errors.missed, overlap),
-            ("spurious", errors.spurious, gap),
-            ("duplicate", errors.duplicate, String::new()),
-            ("with itself", errors.self_pairs, String::new()),
-        ];
-        if let Some([i, j]) = found.unknown.first() {
-            let example = format!("for example {i},{j}: no such particle in the file");
-            rows.push(("unknown", row.unknown as u64, example));
-        }
-        if let Some([i, j]) = found.one_sided.first() {
-            let example = format!("for example {i},{j}, without {j},{i}");
-            rows.push(("from one side", row.one_sided as u64, example));
-        }
-        let table = Table::of("", &rows)
-            .left("", |row| row.0)
-            .right("", |row| row.1)
-            .left("", |row| row.2.as_str());
-        lines.table(&table.into());
-        if found.left_out != [0; 2] && self.all.hint.is_none() {
-            lines.part("run without --without for a hint");
+        ),
+        (all.walls > 0, format!("left out: {} with walls", counted(all.walls, "contact"))),
+        (
+            !left_out.is_empty(),
+            format!("left out: {without} without a list: {}{more}", left_out.join(" ")),
+        ),
+        (
+            all.matched.without_rows > 0,
+            format!("assumed to have no contacts, because the list has no rows: {empty}"),
+        ),
+        (within > 0, format!("allowed within the skin: {}", counted(within, "pair"))),
+    ] {
+        if holds {
+            out.line("", words, Value::Null);
         }
     }
+    out.values(json!({
+        "walls": all.walls, "left_out_pairs": all.left_out_pairs, "both_sides": all.both_sides,
+    }));
+}
 
-    /// Prints the frames that differ, and a summary of all frames.
-    fn table(&self, lines: &mut Lines) {
-        let all = self.all;
-        let shown = all.shown(FRAMES);
-        if !shown.is_empty() {
-            lines.table(&table(&shown));
-        }
-        let wrong = all.rows.iter().filter(|row| !row.is_same()).count();
-        if shown.len() < all.rows.len() && !shown.is_empty() {
-            let which = match wrong == shown.len() {
-                true => "all that differ".to_string(),
-                false => format!("the first and the worst of {wrong} that differ"),
-            };
-            let of = all.rows.len();
-            lines.text(&format!("({} of {of} frames: {which}; --json has all)", shown.len()));
-        }
-        let frames = plural(all.rows.len(), "frame");
-        let Some([first, worst]) = all.worst() else {
-            lines.part(&format!("the same in {frames}: no missed, spurious or repeated pairs"));
-            return;
-        };
-        let name =
-            |row: &Row| row.step.map_or(format!("frame {}", row.frame), |it| format!("step {it}"));
-        let which = match first.frame == worst.frame {
-            true => "the first and worst".to_string(),
-            false => format!("the first {}; the worst", name(first)),
-        };
-        let (Errors { missed, spurious, .. }, worst) = (worst.errors, name(worst));
-        lines.part(&format!(
-            "{wrong} of {frames} differ, {which} {worst}: {missed} missed, {spurious} spurious."
-        ));
-        let (Late { frames, latest, deepest, never, .. }, errors) = (&all.late, all.errors());
-        if errors.missed > 0 {
-            lines.text(&format!(
-                "missed in all frames: {} in {}; deepest overlap {}.",
-                counted(errors.missed, "contact"),
-                counted(*frames, "frame"),
-                mean_radii(errors.deepest_miss)
-            ));
-            let late = match latest {
-                0 => "None was listed in a later frame".into(),
-                _ => format!(
-                    "Latest: {} late, with an overlap of {}",
-                    counted(*latest, "frame"),
-                    mean_radii(*deepest)
-                ),
-            };
-            lines.text(&format!("{late}; {} never listed.", counted(*never, "contact")));
-        }
+/// Prints the number of wrong pairs of each kind, and the largest error.
+fn frame(out: &mut Output, row: &Row, one: &Verified, all: &All) {
+    if all.is_same() {
+        return out.line("", "the same: no missed, spurious or repeated pairs", Value::Null);
     }
-
-    pub fn json(&self) -> Value {
-        let Page { options, all } = self;
-        let (format, numbers, compared) = self.read();
-        let value = json!({
-            "file": options.file.display().to_string(),
-            "pairs": options.pairs.display().to_string(),
-            "format": format,
-            "numbers": numbers,
-            "compared": compared.map(|[name, _]| name),
-            "arithmetic": options.arithmetic.name(),
-            "walls": all.walls,
-            "left_out_pairs": all.left_out_pairs,
-            "both_sides": all.both_sides,
-            "same": all.is_same(),
-            "errors": all.errors(),
-        });
-        let hint = all.hint.as_ref().map(|(_, hint)| hint);
-        let more = match self.one() {
-            Some((row, one)) => {
-                let axes = one.lattice().map(|it| it.periodic()[..one.scene().dim()].to_vec());
-                extended(
-                    row_json(row),
-                    json!({
-                        "periodic": axes,
-                        "missed": pairs_json(one, &one.found.missed),
-                        "spurious": pairs_json(one, &one.found.spurious),
-                        "hint": hint.map(|hint| &hint.flags).filter(|flags| !flags.is_empty()),
-                        "reading": hint.map(|hint| &hint.sentence),
-                    }),
-                )
-            }
-            None => json!({
-                "paired_by": if all.matched.by_step { "step" } else { "frame" },
-                "left_out": all.matched.left_out,
-                "without_rows": all.matched.without_rows,
-                "frames_missed": all.late.frames,
-                "never_reported": all.late.never,
-                "latest": all.late.latest,
-                "deepest_when_reported": all.late.deepest,
-                "first_wrong_frame": all.worst().map(|[first, _]| first.frame),
-                "worst_frame": all.worst().map(|[_, worst]| worst.frame),
-                "hint": hint.map(|hint| &hint.sentence),
-                "frames": all.rows.iter().map(row_json).collect::<Vec<_>>(),
-            }),
-        };
-        extended(value, more)
+    let (errors, found) = (&row.errors, &one.found);
+    let worst = |pairs: u64, what: &str, size: f64| match pairs {
+        0 => String::new(),
+        _ => format!("{what} {}", mean_radii(size)),
+    };
+    let mut rows = vec![
+        ("missed", errors.missed, worst(errors.missed, "deepest overlap", errors.deepest_miss)),
+        ("spurious", errors.spurious, worst(errors.spurious, "widest gap", errors.widest_false)),
+        ("duplicate", errors.duplicate, String::new()),
+        ("with itself", errors.self_pairs, String::new()),
+    ];
+    if let Some([i, j]) = found.unknown.first() {
+        let example = format!("for example {i},{j}: no such particle in the file");
+        rows.push(("unknown", row.unknown as u64, example));
+    }
+    if let Some([i, j]) = found.one_sided.first() {
+        let example = format!("for example {i},{j}, without {j},{i}");
+        rows.push(("from one side", row.one_sided as u64, example));
+    }
+    let table = Table::of("", &rows)
+        .left("", |row| row.0)
+        .right("", |row| row.1)
+        .left("", |row| row.2.as_str());
+    out.table(&table.into());
+    if found.left_out != [0; 2] && all.hint.is_none() {
+        out.gap();
+        out.line("", "run without --without for a hint", Value::Null);
     }
 }
 
-/// Lines of text, wrapped to the width of the terminal.
-struct Lines(Vec<String>);
-
-impl Lines {
-    fn text(&mut self, text: &str) {
-        self.0.extend(wrap(text, terminal::width()));
+/// Prints the frames that differ, and a summary of all frames.
+fn frames(out: &mut Output, all: &All) {
+    let Late { frames, latest, deepest, never, .. } = &all.late;
+    let ends = all.worst();
+    out.values(json!({
+        "paired_by": if all.matched.by_step { "step" } else { "frame" },
+        "left_out": all.matched.left_out,
+        "without_rows": all.matched.without_rows,
+        "frames_missed": frames,
+        "never_reported": never,
+        "latest": latest,
+        "deepest_when_reported": deepest,
+        "first_wrong_frame": ends.map(|[first, _]| first.frame),
+        "worst_frame": ends.map(|[_, worst]| worst.frame),
+        "frames": all.rows.iter().map(row_json).collect::<Vec<_>>(),
+    }));
+    let (shown, of) = (all.shown(FRAMES), all.rows.len());
+    let wrong = all.rows.iter().filter(|row| !row.is_same()).count();
+    if !shown.is_empty() {
+        out.table(&table(&shown));
     }
-
-    /// Adds a text below an empty line.
-    fn part(&mut self, text: &str) {
-        self.0.push(String::new());
-        self.text(text);
+    if shown.len() < of && !shown.is_empty() {
+        let which = match wrong == shown.len() {
+            true => "all that differ".to_string(),
+            false => format!("the first and the worst of {wrong} that differ"),
+        };
+        let text = format!("({} of {of} frames: {which}; --json has all)", shown.len());
+        out.line("", text, Value::Null);
     }
-
-    fn table(&mut self, table: &Table) {
-        self.0.push(String::new());
-        self.0.push(table.plain(terminal::width()).trim_end().to_string());
+    out.gap();
+    let count = plural(of, "frame");
+    let Some([first, worst]) = ends else {
+        let same = format!("the same in {count}: no missed, spurious or repeated pairs");
+        return out.line("", same, Value::Null);
+    };
+    let name =
+        |row: &Row| row.step.map_or(format!("frame {}", row.frame), |it| format!("step {it}"));
+    let which = match first.frame == worst.frame {
+        true => "the first and worst".to_string(),
+        false => format!("the first {}; the worst", name(first)),
+    };
+    let (missed, spurious) = (worst.errors.missed, worst.errors.spurious);
+    let text = format!(
+        "{wrong} of {count} differ, {which} {}: {missed} missed, {spurious} spurious.",
+        name(worst)
+    );
+    out.line("", text, Value::Null);
+    let errors = all.errors();
+    if errors.missed == 0 {
+        return;
     }
-
-    /// Adds the worst of `count` pairs of a kind, with their particles.
-    fn pairs(
-        &mut self,
-        one: &Verified,
-        kind: &str,
-        measure: &str,
-        pairs: &[(ImagePair, f64)],
-        count: u64,
-    ) {
-        if pairs.is_empty() {
-            return;
-        }
-        self.part(&format!(
-            "{kind}, the worst first (particles numbered from 0; {measure} in mean radii)"
-        ));
-        let dim = one.scene().dim();
-        for (ImagePair { i, j, image }, depth) in pairs.iter().take(PAIRS) {
-            let across = match image {
-                [0, 0, 0] => String::new(),
-                _ => format!(
-                    "  image {}",
-                    image[..dim].iter().map(i32::to_string).collect::<Vec<_>>().join(",")
-                ),
-            };
-            self.0.push(format!("  {i},{j}{across}  {measure} {}", number(depth.abs())));
-            for k in [*i, *j] {
-                let (centre, radius) = particle(one.scene(), k);
-                let centre: Vec<String> = centre[..dim].iter().map(|x| format!("{x:?}")).collect();
-                let line = format!("{k}: {} r {radius:?}", centre.join(" "));
-                let lines = wrap(&line, terminal::width().saturating_sub(6));
-                self.0.extend(lines.iter().map(|line| format!("    {line}")));
-            }
-        }
-        if let Some(more @ 1..) = count.checked_sub(PAIRS as u64) {
-            self.0.push(format!("  and {more} more"));
-        }
-    }
+    let (contacts, frames) = (counted(errors.missed, "contact"), counted(*frames, "frame"));
+    let overlap = mean_radii(errors.deepest_miss);
+    let text = format!("missed in all frames: {contacts} in {frames}; deepest overlap {overlap}.");
+    out.line("", text, Value::Null);
+    let (late, overlap) = (counted(*latest, "frame"), mean_radii(*deepest));
+    let late = match latest {
+        0 => "None was listed in a later frame".into(),
+        _ => format!("Latest: {late} late, with an overlap of {overlap}"),
+    };
+    out.line("", format!("{late}; {} never listed.", counted(*never, "contact")), Value::Null);
 }
 
-fn extended(mut value: Value, more: Value) -> Value {
-    if let (Value::Object(value), Value::Object(more)) = (&mut value, more) {
-        value.extend(more);
+/// Adds the worst of `count` pairs of a kind to the values and, if `shown`, to the text.
+fn worst(
+    out: &mut Output,
+    one: &Verified,
+    (kind, measure): (&str, &str),
+    pairs: &[(ImagePair, f64)],
+    count: u64,
+    shown: bool,
+) {
+    let (dim, kept) = (one.scene().dim(), &pairs[..pairs.len().min(PAIRS)]);
+    let value = |(pair, depth): &(ImagePair, f64)| {
+        let particles = [pair.i, pair.j].map(|k| {
+            let (centre, radius) = particle(one.scene(), k);
+            json!({ "index": k, "centre": centre[..dim], "radius": radius })
+        });
+        let depth = depth.clamp(-f64::MAX, f64::MAX);
+        json!({ "particles": particles, "image": pair.image[..dim], "depth": depth })
+    };
+    out.values(json!({ kind: kept.iter().map(value).collect::<Vec<_>>() }));
+    if kept.is_empty() || !shown {
+        return;
     }
-    value
+    out.gap();
+    let head =
+        format!("{kind}, the worst first (particles numbered from 0; {measure} in mean radii)");
+    out.line("", head, Value::Null);
+    let joined = |numbers: &[i32]| numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(",");
+    for (ImagePair { i, j, image }, depth) in kept {
+        let across = match image {
+            [0, 0, 0] => String::new(),
+            _ => format!("  image {}", joined(&image[..dim])),
+        };
+        let text = format!("  {i},{j}{across}  {measure} {}", number(depth.abs()));
+        out.line("", text, Value::Null);
+        for k in [*i, *j] {
+            let (centre, radius) = particle(one.scene(), k);
+            let centre: Vec<String> = centre[..dim].iter().map(|x| format!("{x:?}")).collect();
+            out.line("", format!("    {k}: {} r {radius:?}", centre.join(" ")), Value::Null);
+        }
+    }
+    if let Some(more @ 1..) = count.checked_sub(PAIRS as u64) {
+        out.line("", format!("  and {more} more"), Value::Null);
+    }
 }
 
 fn row_json(row: &Row) -> Value {
@@ -361,20 +298,6 @@ fn row_json(row: &Row) -> Value {
         "one_sided": row.one_sided,
         "within_skin": row.within_skin,
     })
-}
-
-fn pairs_json(one: &Verified, pairs: &[(ImagePair, f64)]) -> Vec<Value> {
-    let dim = one.scene().dim();
-    let particle_of = |k: u32| {
-        let (centre, radius) = particle(one.scene(), k);
-        json!({ "index": k, "centre": centre[..dim], "radius": radius })
-    };
-    let pair = |(pair, depth): &(ImagePair, f64)| {
-        let particles = [pair.i, pair.j].map(particle_of);
-        let depth = depth.clamp(-f64::MAX, f64::MAX);
-        json!({ "particles": particles, "image": pair.image[..dim], "depth": depth })
-    };
-    pairs.iter().take(PAIRS).map(pair).collect()
 }
 
 fn table(rows: &[&Row]) -> Table {

@@ -3,17 +3,15 @@
 //!
 //! * Probes take up to half of the time. Each detector is started, loads the scene, and takes one
 //!   sample, whose answer is judged. A probe may take `PATIENCE` times as long as the fastest, but
-//!   at most a third of the time left for probes. A detector that takes over 12 times the fastest's
-//!   time drops out (`HOPELESS`); for the others, memory is measured.
+//!   at most a third of the time left for probes. For detectors that are not hopelessly slow,
+//!   memory is measured.
 //! * In each block, each detector takes one sample, in random order; the fastest takes another one
-//!   as its own twin. Each sample has a new process; a block's processes run on one processor. A
-//!   detector that takes over 3 times the fastest's time in each of the first two blocks drops out
-//!   (`FAR`). After `FEWEST` blocks, so does one whose interval lies above 1.5 (`BEHIND`). Two
-//!   detectors always remain, so that their ratio is measured.
+//!   as its own twin. Each sample has a new process; a block's processes run on one processor.
+//! * Before each block, slow detectors drop out ([`drop_slow`]).
 
 use std::time::{Duration, Instant};
 
-use crate::recommend::subject::{BEHIND, FAR, HOPELESS, Race, RacedSubject};
+use crate::recommend::subject::{HOPELESS, Race, RacedSubject, drop_slow};
 use crate::run::bench::{self, Bench, sample};
 use crate::run::judge::Said;
 use crate::run::machine::disk;
@@ -27,11 +25,10 @@ use contactbench_ground::contact::Arithmetic;
 use contactbench_io::Given;
 use contactbench_record::record::row::{Outcome, Pass, Row};
 use contactbench_record::stats::interval::ratio;
+use contactbench_terms::number::plural;
 
 /// A probe may take this multiple of the fastest probe's time.
 const PATIENCE: u32 = 20;
-/// Number of blocks before a slow detector is dropped, because one block may be disturbed.
-const FIRST_BLOCKS: u32 = 2;
 /// Number of blocks that an interval of 95% needs.
 pub(super) const FEWEST: u32 = 6;
 /// Maximum number of blocks; more would hardly narrow the interval.
@@ -76,8 +73,8 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     let room = subject::room(given.scene.len() as u64, contacts);
     let mut ground = Ground { question, bench, room, started: Instant::now() };
     let mut subjects = ground.probe_all(entries, note)?;
-    let racing = subjects.iter().filter(|subject| subject.racing);
-    let original = racing.min_by_key(|subject| subject.probe_ns);
+    let active = subjects.iter().filter(|subject| subject.active);
+    let original = active.min_by_key(|subject| subject.probe_ns);
     // The twin has the limits that its original was given after the probe.
     let twin = original.map(RacedSubject::twin);
     subjects.extend(twin);
@@ -129,7 +126,7 @@ impl Ground<'_> {
             }
             subjects.push(subject);
         }
-        HOPELESS.apply(&mut subjects);
+        drop_slow(&mut subjects);
         Ok(subjects)
     }
 
@@ -167,7 +164,7 @@ impl Ground<'_> {
         subject.start.time_limit = took * PATIENCE + Duration::from_secs(5);
         client.time_limit = subject.start.time_limit;
         subject.probe_ns = Some(time);
-        let hopeless = best.is_some_and(|best| time as f64 > HOPELESS.limit * best as f64);
+        let hopeless = best.is_some_and(|best| time as f64 > HOPELESS * best as f64);
         if !hopeless {
             let mut row = Row { pass: Pass::Memory, ..subject.row.clone() };
             match measure(&mut client, &mut row) {
@@ -175,7 +172,7 @@ impl Ground<'_> {
                 Err(failure) => subject.fail(failure),
             }
         }
-        Ok(Some(took).filter(|_| subject.racing))
+        Ok(Some(took).filter(|_| subject.active))
     }
 
     /// Takes one judged sample in a new process. Returns nanoseconds per detection and the process,
@@ -215,19 +212,15 @@ impl Ground<'_> {
     ) -> anyhow::Result<(u32, Vec<RacedSubject>)> {
         let (time, started) = (self.question.time, self.started);
         let in_time = |block, subjects: &mut Vec<RacedSubject>| {
-            match block - 1 {
-                FIRST_BLOCKS => FAR.apply(subjects),
-                FEWEST.. => BEHIND.apply(subjects),
-                _ => {}
-            }
-            let racing = subjects.iter().filter(|subject| subject.racing && !subject.is_twin);
-            note(&format!("block {block}: {} racing", racing.count()));
+            drop_slow(subjects);
+            let active = subjects.iter().filter(|subject| subject.active && !subject.is_twin);
+            note(&format!("block {block}: {}", plural(active.count(), "detector")));
             let share = if block <= FEWEST { BEYOND } else { 1.0 };
             block == 1 || started.elapsed() < time.mul_f64(share)
         };
         bench::race(subjects, MOST, 0, in_time, |block, mut subject| {
             let processor = processors::in_block(block).filter(|_| subject.threads == 1);
-            if subject.racing
+            if subject.active
                 && let Some((time, _)) = self.sample(&mut subject, processor)?
             {
                 subject.times.insert(block.into(), time);

@@ -1,8 +1,8 @@
-//! Subjects of a race: their times so far, and the rules by which slow subjects drop out.
+//! Subjects of a race: their times so far, and the rule by which slow subjects drop out.
 
 use contactbench_detectors::table::Entry;
 use contactbench_record::record::row::Row;
-use contactbench_record::stats::interval::{Blocks, Interval, median, ratio};
+use contactbench_record::stats::interval::{Blocks, Interval, median};
 
 use crate::run::runner::client::{Failure, Start};
 
@@ -16,7 +16,7 @@ pub struct RacedSubject {
     pub row: Row,
     pub probe_ns: Option<u64>,
     pub times: Blocks,
-    pub(super) racing: bool,
+    pub(super) active: bool,
     pub(super) start: Start,
 }
 
@@ -29,7 +29,7 @@ impl RacedSubject {
             row: Row::default(),
             probe_ns: None,
             times: Blocks::new(),
-            racing: true,
+            active: true,
             start,
         }
     }
@@ -40,7 +40,7 @@ impl RacedSubject {
     }
 
     pub(super) fn fail(&mut self, Failure { outcome, reason }: Failure) {
-        (self.row.outcome, self.row.reason, self.racing) = (outcome, reason, false);
+        (self.row.outcome, self.row.reason, self.active) = (outcome, reason, false);
         self.times.clear();
     }
 
@@ -69,54 +69,30 @@ pub fn fastest(subjects: &[RacedSubject]) -> Option<usize> {
     timed.min_by(|a, b| a.1.typical().total_cmp(&b.1.typical())).map(|(k, _)| k)
 }
 
-pub(super) struct Rule {
-    pub limit: f64,
-    /// Returns the time of the first subject as a multiple of that of the second, the fastest.
-    over: fn(&RacedSubject, &RacedSubject) -> Option<f64>,
-    /// Text for the reason, which states where the subject was slower; its few times are dropped.
-    /// If `None`, the times are kept.
-    place: Option<&'static str>,
-}
+/// Ratio above which one look, which may be disturbed, shows that a subject is slow.
+pub(super) const HOPELESS: f64 = 12.0;
+/// Ratio above which several looks show this, if all of them exceed it.
+const FAR: f64 = 3.0;
 
-/// Compares the probes. The limit is larger than what a single disturbed sample can cause.
-pub(super) const HOPELESS: Rule = Rule {
-    limit: 12.0,
-    over: |one, best| Some(one.probe_ns? as f64 / best.probe_ns?.max(1) as f64),
-    place: Some("a first probe"),
-};
-/// Compares the times in each block so far, and takes the smallest ratio.
-pub(super) const FAR: Rule = Rule {
-    limit: 3.0,
-    over: |one, best| {
-        let over =
-            |(block, own): (_, &u64)| Some(*own as f64 / (*best.times.get(block)?).max(1) as f64);
-        one.times.iter().filter_map(over).reduce(f64::min)
-    },
-    place: Some("each of the first blocks"),
-};
-/// Drops a subject if the whole interval of its ratio to the fastest exceeds the limit.
-pub(super) const BEHIND: Rule =
-    Rule { limit: 1.5, over: |one, best| Some(ratio(&one.times, &best.times)?.low), place: None };
-
-impl Rule {
-    pub fn apply(&self, subjects: &mut [RacedSubject]) {
-        let mut racing: Vec<usize> =
-            (0..subjects.len()).filter(|&k| subjects[k].racing && !subjects[k].is_twin).collect();
-        racing.sort_by(|&a, &b| subjects[a].typical().total_cmp(&subjects[b].typical()));
-        let Some((best, others)) = racing.split_first() else { return };
-        for &k in others.iter().skip(1) {
-            let Some(times) = (self.over)(&subjects[k], &subjects[*best]) else { continue };
-            if times <= self.limit {
-                continue;
-            }
-            let out = &mut subjects[k];
-            out.racing = false;
-            if let Some(place) = self.place {
-                out.row.reason =
-                    format!("about {times:.0} times as slow as the fastest in {place}");
-                out.times.clear();
-            }
-        }
+/// Drops subjects that are much slower than the fastest in the probe and in each block so far. Two
+/// subjects always remain, so that their ratio is measured.
+pub(super) fn drop_slow(subjects: &mut [RacedSubject]) {
+    let mut active: Vec<usize> =
+        (0..subjects.len()).filter(|&k| subjects[k].active && !subjects[k].is_twin).collect();
+    active.sort_by(|&a, &b| subjects[a].typical().total_cmp(&subjects[b].typical()));
+    let Some((&best, others)) = active.split_first() else { return };
+    for &k in others.iter().skip(1) {
+        let (one, best) = (&subjects[k], &subjects[best]);
+        let blocks = one.times.iter().filter_map(|(k, &own)| Some((own, *best.times.get(k)?)));
+        let looks = one.probe_ns.zip(best.probe_ns).into_iter().chain(blocks);
+        let looks: Vec<f64> = looks.map(|(own, best)| own as f64 / best.max(1) as f64).collect();
+        let limit = if looks.len() > 1 { FAR } else { HOPELESS };
+        let least = looks.into_iter().reduce(f64::min);
+        let Some(least) = least.filter(|&least| least > limit) else { continue };
+        let out = &mut subjects[k];
+        out.active = false;
+        out.row.reason = format!("about {least:.0} times as slow as the fastest");
+        out.times.clear();
     }
 }
 
@@ -126,29 +102,26 @@ mod tests {
     use contactbench_detectors::table::TABLE;
 
     #[test]
-    fn one_look_that_was_disturbed_ends_nobody_and_two_remain() {
+    fn one_disturbed_look_drops_no_subject_and_two_remain() {
         let start = Start::of(&[], std::time::Duration::ZERO, 0);
         let subject = |(k, (probe, blocks)): (usize, &(u64, &[u64]))| RacedSubject {
             probe_ns: Some(*probe),
             times: (1u32..).zip(*blocks).map(|(block, &time)| (block.into(), time)).collect(),
             ..RacedSubject::new(&TABLE[k], 1, start.clone())
         };
-        let race = |times: &[(u64, &[u64])]| -> Vec<RacedSubject> {
-            times.iter().enumerate().map(subject).collect()
+        let dropped = |times: &[(u64, &[u64])]| -> Vec<RacedSubject> {
+            let mut all = times.iter().enumerate().map(subject).collect::<Vec<_>>();
+            drop_slow(&mut all);
+            all
         };
-        let racing = |all: &[RacedSubject]| all.iter().map(|one| one.racing).collect::<Vec<_>>();
-        let mut all = race(&[(10, &[8, 8]), (50, &[11, 40]), (11, &[40, 32]), (121, &[])]);
-        HOPELESS.apply(&mut all);
-        assert_eq!(racing(&all), [true, true, true, false]);
-        assert_eq!(all[3].row.reason, "about 12 times as slow as the fastest in a first probe");
-        FAR.apply(&mut all);
-        assert_eq!(racing(&all), [true, true, false, false]);
-        assert!(all[2].row.reason.starts_with("about 4 times "));
-        assert!(all[2].times.is_empty());
-        assert!(all[1].row.reason.is_empty() && all[1].times.len() == 2);
-        let mut slow = race(&[(10, &[10, 10]), (900, &[900, 900]), (990, &[990, 990])]);
-        HOPELESS.apply(&mut slow);
-        FAR.apply(&mut slow);
-        assert_eq!(racing(&slow), [true, true, false]);
+        let active = |all: &[RacedSubject]| all.iter().map(|one| one.active).collect::<Vec<_>>();
+        let all = dropped(&[(10, &[]), (50, &[]), (11, &[]), (121, &[])]);
+        assert_eq!(active(&all), [true, true, true, false]);
+        assert_eq!(all[3].row.reason, "about 12 times as slow as the fastest");
+        let all = dropped(&[(10, &[8, 8]), (50, &[11, 40]), (50, &[40, 32]), (11, &[90, 90])]);
+        assert_eq!(active(&all), [true, true, false, true]);
+        assert!(all[2].row.reason.starts_with("about 4 times ") && all[2].times.is_empty());
+        let slow = dropped(&[(10, &[10, 10]), (900, &[900, 900]), (990, &[990, 990])]);
+        assert_eq!(active(&slow), [true, true, false]);
     }
 }

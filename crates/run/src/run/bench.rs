@@ -128,25 +128,25 @@ pub(crate) fn sample(client: &mut Client, min_ns: u64) -> Result<Sample, Failure
     }
 }
 
-/// Runs at most `most` blocks and returns how many. In each, `take` measures every entrant once, in
-/// a random order that `seed` and the number of the block decide; it returns the entrant unless it
-/// failed. Before each block, `goes_on` may change the entrants or end the race.
+/// Runs at most `most` blocks and returns how many. In each, `take` measures every subject once, in
+/// a random order that `seed` and the number of the block decide; it returns the subject unless it
+/// failed. Before each block, `goes_on` may change the subjects or end the race.
 pub(crate) fn race<E>(
-    mut entrants: Vec<E>,
+    mut subjects: Vec<E>,
     most: u32,
     seed: u64,
     mut goes_on: impl FnMut(u32, &mut Vec<E>) -> bool,
     mut take: impl FnMut(u32, E) -> anyhow::Result<Option<E>>,
 ) -> anyhow::Result<(u32, Vec<E>)> {
     for block in 1..=most {
-        if !goes_on(block, &mut entrants) {
-            return Ok((block - 1, entrants));
+        if !goes_on(block, &mut subjects) {
+            return Ok((block - 1, subjects));
         }
         let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_add(u64::from(block)));
-        entrants.shuffle(&mut random);
-        let taken = entrants.into_iter().map(|entrant| take(block, entrant));
+        subjects.shuffle(&mut random);
+        let taken = subjects.into_iter().map(|subject| take(block, subject));
         let still = taken.filter_map(Result::transpose);
-        entrants = still.collect::<anyhow::Result<_>>()?;
+        subjects = still.collect::<anyhow::Result<_>>()?;
     }
-    Ok((most, entrants))
+    Ok((most, subjects))
 }

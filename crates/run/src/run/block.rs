@@ -82,30 +82,40 @@ impl Stage<'_, '_> {
             }
             subjects.reverse();
         }
-        let mut still = Vec::new();
-        for TimedSubject { running, mut client, mut row, turns } in subjects {
-            let Some(sum) = total(&turns) else { continue };
-            running.fill(&mut row, &sum, running.processor(block));
-            // If the scene has a history, this is not the process's first detection.
-            row.first_ns = row.first_ns.filter(|_| !bench.has_history());
-            row.process = self.log.origins.process(&running.subject, &client)?;
-            if !running.is_alone() {
-                row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
-            }
-            self.judge(&mut row, &running, &mut client, bench, &sum.found)?;
-            let others = others(&turns);
-            if others > 0 && row.outcome != Outcome::Wrong {
-                row.outcome = Outcome::Wrong;
-                row.reason =
-                    format!("{others} of {} turns gave another answer than the last", turns.len());
-                // The row's errors are removed, because they describe only the last turn.
-                (row.errors, row.causes, row.course) = (None, None, None);
-                self.note_wrong(&row);
-            }
-            self.write(&row)?;
-            still.push(running);
+        subjects
+            .into_iter()
+            .filter_map(|timed| self.written(timed, block, bench).transpose())
+            .collect()
+    }
+
+    /// Writes the row of a timed subject; returns the subject if it has times.
+    fn written(
+        &mut self,
+        timed: TimedSubject,
+        block: u32,
+        bench: &mut Bench<'_>,
+    ) -> anyhow::Result<Option<Running>> {
+        let TimedSubject { running, mut client, mut row, turns } = timed;
+        let Some(sum) = total(&turns) else { return Ok(None) };
+        running.fill(&mut row, &sum, running.processor(block));
+        // If the scene has a history, this is not the process's first detection.
+        row.first_ns = row.first_ns.filter(|_| !bench.has_history());
+        row.process = self.log.origins.process(&running.subject, &client)?;
+        if !running.is_alone() {
+            row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
         }
-        Ok(still)
+        self.judge(&mut row, &running, &mut client, bench, &sum.found)?;
+        let others = others(&turns);
+        if others > 0 && row.outcome != Outcome::Wrong {
+            row.outcome = Outcome::Wrong;
+            row.reason =
+                format!("{others} of {} turns gave another answer than the last", turns.len());
+            // The row's errors are removed, because they describe only the last turn.
+            (row.errors, row.causes, row.course) = (None, None, None);
+            self.note_wrong(&row);
+        }
+        self.write(&row)?;
+        Ok(Some(running))
     }
 }
 

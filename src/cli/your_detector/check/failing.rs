@@ -127,22 +127,11 @@ pub(super) fn describe(
     options: &Check,
     out: &mut dyn Write,
 ) -> anyhow::Result<()> {
-    let Failure { detector, arithmetic, found_on, found, given, smallest, wrong } = failure;
+    let Failure { detector, arithmetic, found_on, found, wrong, .. } = failure;
     let arithmetic = arithmetic.name();
     writeln!(out, "WRONG: {detector} with {arithmetic} arithmetic, on {found_on}: {found}")?;
     last_words(wrong.as_ref().unwrap_or(found), out)?;
-    if let Some((pair, depth)) = worst(failure) {
-        let size = mean_radii(depth.abs());
-        let what = if depth >= 0.0 { "missed, overlap" } else { "spurious, gap" };
-        writeln!(out, "  the worst there, of {} particles:", given.scene.len())?;
-        writeln!(out, "    {pair}: {what} {size}")?;
-        for k in [pair.i, pair.j] {
-            let (centre, radius) = particle(&given.scene, k);
-            let centre = &centre[..given.scene.dim()];
-            let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();
-            writeln!(out, "    {k}: {} r {radius:?}", centre.join(" "))?;
-        }
-    }
+    worst_pair(failure, out)?;
     if let Some(words) = rounding(failure) {
         writeln!(out, "  {words}")?;
     }
@@ -158,18 +147,7 @@ pub(super) fn describe(
         made.and_then(|()| std::fs::write(path, text)).with_context(cannot)
     };
     write(&path, &text)?;
-    let (n, place) = (smallest.scene.len(), path.display());
-    match wrong {
-        Some(Wrong::Hangs(_)) => {
-            writeln!(out, "  the scene, not made smaller: {n} particles: {place}")?
-        }
-        Some(wrong) => writeln!(out, "  smallest failing scene: {n} particles, {wrong}: {place}")?,
-        None => writeln!(
-            out,
-            "  wrong only after earlier scenes, which leave something in its buffers; the scene: \
-             {n} particles: {place}"
-        )?,
-    }
+    smallest_scene(failure, &path, out)?;
     if let Some(picture) = picture(failure) {
         let path = path.with_extension("svg");
         write(&path, &picture)?;
@@ -192,5 +170,40 @@ pub(super) fn describe(
         writeln!(out, "  see it: {detect} {detector}")?;
     }
     writeln!(out, "  truth:  {detect} direct")?;
+    Ok(())
+}
+
+/// Prints the worst wrong pair, with its particles.
+fn worst_pair(failure: &Failure, out: &mut dyn Write) -> anyhow::Result<()> {
+    let given = &failure.given;
+    if let Some((pair, depth)) = worst(failure) {
+        let size = mean_radii(depth.abs());
+        let what = if depth >= 0.0 { "missed, overlap" } else { "spurious, gap" };
+        writeln!(out, "  the worst there, of {} particles:", given.scene.len())?;
+        writeln!(out, "    {pair}: {what} {size}")?;
+        for k in [pair.i, pair.j] {
+            let (centre, radius) = particle(&given.scene, k);
+            let centre = &centre[..given.scene.dim()];
+            let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();
+            writeln!(out, "    {k}: {} r {radius:?}", centre.join(" "))?;
+        }
+    }
+    Ok(())
+}
+
+fn smallest_scene(failure: &Failure, path: &Path, out: &mut dyn Write) -> anyhow::Result<()> {
+    let Failure { smallest, wrong, .. } = failure;
+    let (n, place) = (smallest.scene.len(), path.display());
+    match wrong {
+        Some(Wrong::Hangs(_)) => {
+            writeln!(out, "  the scene, not made smaller: {n} particles: {place}")?
+        }
+        Some(wrong) => writeln!(out, "  smallest failing scene: {n} particles, {wrong}: {place}")?,
+        None => writeln!(
+            out,
+            "  wrong only after earlier scenes, which leave something in its buffers; the scene: \
+             {n} particles: {place}"
+        )?,
+    }
     Ok(())
 }

@@ -47,14 +47,11 @@ pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
 /// The word in a runner's command that is replaced by the arithmetic.
 const ARITHMETIC: &str = "{arithmetic}";
 
-/// Starts a runner in each arithmetic, tests the protocol, and prints what it supports.
-pub(super) fn runners(
+/// Splits the command of a runner into words; also returns the arithmetics to start it in.
+fn commands(
     command: &str,
     options: &Check,
-    limits: &Limits,
-    broken: &mut Vec<Wrong>,
-    out: &mut dyn Write,
-) -> anyhow::Result<Vec<Group>> {
+) -> anyhow::Result<(Vec<String>, Vec<Option<Arithmetic>>)> {
     let words = match shlex::split(command) {
         Some(words) if !words.is_empty() => words,
         Some(_) => {
@@ -73,6 +70,18 @@ pub(super) fn runners(
         (true, true) => Arithmetic::SAFE.map(Some).into(),
         (true, false) => options.arithmetic.iter().copied().map(Some).collect(),
     };
+    Ok((words, asked))
+}
+
+/// Starts a runner in each arithmetic, tests the protocol, and prints what it supports.
+pub(super) fn runners(
+    command: &str,
+    options: &Check,
+    limits: &Limits,
+    broken: &mut Vec<Wrong>,
+    out: &mut dyn Write,
+) -> anyhow::Result<Vec<Group>> {
+    let (words, asked) = commands(command, options)?;
     let mut groups = Vec::new();
     for arithmetic in asked {
         let name = arithmetic.map_or("", Arithmetic::name);

@@ -18,6 +18,7 @@ use crate::cli::shared::input::{Input, OPTIONS, doubt_given};
 use crate::cli::shared::{terminal, values};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
+use contactbench_io::Given;
 use contactbench_run::check::{self, Limits, Report, Verdict, Wrong, subject};
 use contactbench_run::run::machine::interrupt;
 
@@ -101,18 +102,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
             runners(command, options, &limits, &mut broken, &mut out)?
         }
     };
-    let mut reports: Vec<Checked<'_>> = Vec::new();
-    for group in &groups {
-        let Group { subjects, arithmetics } = group;
-        for (path, given) in &scenes {
-            let report = check::check_scene(given, path, subjects, arithmetics, &limits)?;
-            reports.push(Checked { group, report, path: Some(path) });
-        }
-        if options.scene.is_empty() {
-            let report = check::battery(subjects, arithmetics, &limits)?;
-            reports.push(Checked { group, report, path: None });
-        }
-    }
+    let reports = reports(&groups, &scenes, &limits)?;
     for checked in &reports {
         print(checked, options, started, &mut out)?;
     }
@@ -140,6 +130,27 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         Verdict::Wrong => ExitCode::from(1),
         Verdict::Nothing => ExitCode::from(2),
     })
+}
+
+/// Checks each group on the scenes or, without any, on generated ones.
+fn reports<'a>(
+    groups: &'a [Group],
+    scenes: &'a [(String, Given)],
+    limits: &Limits,
+) -> anyhow::Result<Vec<Checked<'a>>> {
+    let mut reports = Vec::new();
+    for group in groups {
+        let Group { subjects, arithmetics } = group;
+        for (path, given) in scenes {
+            let report = check::check_scene(given, path, subjects, arithmetics, limits)?;
+            reports.push(Checked { group, report, path: Some(path) });
+        }
+        if scenes.is_empty() {
+            let report = check::battery(subjects, arithmetics, limits)?;
+            reports.push(Checked { group, report, path: None });
+        }
+    }
+    Ok(reports)
 }
 
 /// Returns the limits that the options give, or why they are impossible.

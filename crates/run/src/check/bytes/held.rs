@@ -7,6 +7,7 @@ use crate::check::{Wrong, as_csv};
 use crate::truth::truth;
 use contactbench_detectors::oracle;
 use contactbench_detectors::oracle::NoTruth;
+use contactbench_detectors::oracle::boxes::Truth;
 use contactbench_detectors::spec::DetectorSpec;
 use contactbench_detectors::table::TABLE;
 use contactbench_ground::contact::{Arithmetic, exact};
@@ -15,6 +16,7 @@ use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::scene::{AnyScene, Lattice};
 use contactbench_io::Given;
 use contactbench_lists::searcher::Searcher;
+use contactbench_terms::must;
 
 /// Low memory limit, so that detectors refuse large arrays, which would slow a fuzzer down.
 const OPTIONS: Options = Options { memory_limit: 1 << 22, threads: 1 };
@@ -78,51 +80,54 @@ fn hold(scenes: &[Given], keep: bool) {
             let Ok(stored) = given.loaded(arithmetic) else { continue };
             let truth = truth(&stored, arithmetic, OPTIONS.memory_limit);
             for (spec, searcher) in &mut detectors {
-                let entry = spec.entry;
                 if !keep {
                     *searcher = fresh(spec);
                 }
                 let expected = truth.as_ref().map_or(Expected::default(), Expected::from);
                 let answer = answer(searcher, &stored, arithmetic, expected);
-                if let (Answer::Refused(refusal, _), Ok(_)) = (&answer, &truth) {
-                    let promised = match refusal {
-                        Refusal::Domain { .. }
-                        | Refusal::Extent { .. }
-                        | Refusal::Memory { .. } => entry.memory != "0",
-                        // In a box, detectors may refuse images that the truth does not need.
-                        Refusal::Images { .. } | Refusal::Away { .. } | Refusal::Range => {
-                            given.lattice.is_some()
-                        }
-                        _ => false,
-                    };
-                    assert!(promised, "{spec} refuses: {refusal}\n{}", shown());
-                }
-                let wrong = match (answer, &truth) {
-                    (answer, Ok(truth)) => answer
-                        .wrong(truth)
-                        .filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
-                    // If a square overflows, the truth is unknown, and a detector must not report
-                    // pairs.
-                    (Answer::Refused(_, 0) | Answer::Refused(Refusal::Pairs { .. }, _), Err(_)) => {
-                        None
-                    }
-                    (
-                        Answer::Right | Answer::Pairs(_),
-                        Err(NoTruth::Refused(Refusal::Away { .. } | Refusal::Pairs { .. })),
-                    ) if given.lattice.is_some() => None,
-                    (_, Err(error)) => {
-                        panic!(
-                            "{spec} with {} arithmetic answers, but {error}:\n{}",
-                            arithmetic.name(),
-                            shown()
-                        )
-                    }
-                };
-                if let Some(wrong) = wrong {
-                    panic!("{spec} with {} arithmetic: {wrong}\n{}", arithmetic.name(), shown());
+                let boxed = given.lattice.is_some();
+                if let Err(why) = right(spec, arithmetic, answer, &truth, boxed) {
+                    panic!("{spec} with {} arithmetic: {why}\n{}", arithmetic.name(), shown());
                 }
             }
         }
+    }
+}
+
+/// Checks an answer; the error states what is wrong. Refusals must be promised, and a detector must
+/// not report pairs if the truth is unknown, as when a square overflows.
+fn right(
+    spec: &DetectorSpec,
+    arithmetic: Arithmetic,
+    answer: Answer,
+    truth: &Result<Truth, NoTruth>,
+    boxed: bool,
+) -> Result<(), String> {
+    if let (Answer::Refused(refusal, _), Ok(_)) = (&answer, truth) {
+        let promised = match refusal {
+            Refusal::Domain { .. } | Refusal::Extent { .. } | Refusal::Memory { .. } => {
+                spec.entry.memory != "0"
+            }
+            // In a box, detectors may refuse images that the truth does not need.
+            Refusal::Images { .. } | Refusal::Away { .. } | Refusal::Range => boxed,
+            _ => false,
+        };
+        must!(promised, "it refuses: {refusal}");
+    }
+    match (answer, truth) {
+        (answer, Ok(truth)) => {
+            let wrong = answer.wrong(truth);
+            match wrong.filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)) {
+                None => Ok(()),
+                Some(wrong) => Err(wrong.to_string()),
+            }
+        }
+        (Answer::Refused(_, 0) | Answer::Refused(Refusal::Pairs { .. }, _), Err(_)) => Ok(()),
+        (
+            Answer::Right | Answer::Pairs(_),
+            Err(NoTruth::Refused(Refusal::Away { .. } | Refusal::Pairs { .. })),
+        ) if boxed => Ok(()),
+        (_, Err(error)) => Err(format!("it answers, but {error}")),
     }
 }
 
