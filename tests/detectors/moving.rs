@@ -1,6 +1,6 @@
 //! A short run of the campaign on moving particles (`crates/campaigns`).
 
-use contactbench_campaigns::moving::courses;
+use contactbench_campaigns::moving::trackers;
 use contactbench_campaigns::skin::pairs;
 use contactbench_campaigns::{Plan, What};
 use contactbench_ground::contact::Test;
@@ -10,7 +10,7 @@ const PLAN: Plan = Plan { pairs: 1, seed: 7, test: Test::Exact };
 /// Runs each motion once in each dimension and arithmetic.
 #[test]
 fn safe_rules_miss_nothing_in_any_motion_and_the_control_does() {
-    let table = courses(PLAN);
+    let table = trackers(PLAN);
     let of = |safe, what| table.total(safe).get(what);
     assert_eq!(table.errors(), 0, "\n{}", table.text());
     let (built, frames) = (of(true, What::Built), of(true, What::Frames));
@@ -28,6 +28,6 @@ fn pairs_at_the_limit_of_the_skin_are_found() {
     assert!(of(false, What::Missed) > 50, "\n{}", table.text());
     assert!(of(true, What::Built) < of(true, What::Frames), "\n{}", table.text());
     for name in ["line", "thin"] {
-        assert!(table.0[&(name.into(), "couples".into())].get(What::Came) > 500, "{name}");
+        assert!(table.0[&(name.into(), "pairs".into())].get(What::Came) > 500, "{name}");
     }
 }

@@ -27,64 +27,45 @@ pub struct Plan {
     pub test: Test,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum What {
-    Pairs,
-    Tangent,
-    Overlap,
-    Apart,
-    /// Decisions that the floating-point filter left to exact arithmetic.
-    Exact,
-    /// Decisions made in f64 on the same pairs, then those of them that were wrong.
-    Rounded,
-    RoundedWrong,
-    /// Pairs whose label was compared with rational arithmetic.
-    Sampled,
-    /// Frames given to a tracker, and frames in which it built its list.
-    Frames,
-    Built,
-    /// Pairs that came into contact and were not in the list at first.
-    Came,
-    /// Touching pairs that were not reported. This and all later kinds are errors.
-    Missed,
-    /// Reported pairs that do not touch.
-    Spurious,
-    /// Touching pairs that were reported again.
-    Duplicate,
-    Itself,
-    /// Labels (apart, tangent, overlap) that differ from the constructed label.
-    Label,
-    /// Depths whose sign contradicts the label.
-    Depth,
-    /// Constructed labels that differ from rational arithmetic: an error of the campaign itself.
-    Construction,
-    Refused,
+contactbench_terms::named! {
+    /// A column of counts.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum What {
+        Pairs = "pairs",
+        Tangent = "tangent",
+        Overlap = "overlap",
+        Apart = "apart",
+        /// Decisions that the floating-point filter left to exact arithmetic.
+        Exact = "exact",
+        /// Decisions made in f64 on the same pairs, then those of them that were wrong.
+        Rounded = "in f64",
+        RoundedWrong = "wrong in f64",
+        /// Pairs whose label was compared with rational arithmetic.
+        Sampled = "sampled",
+        /// Frames given to a tracker, and frames in which it built its list.
+        Frames = "frames",
+        Built = "built",
+        /// Pairs that came into contact and were not in the list at first.
+        Came = "came",
+        /// Touching pairs that were not reported. This and all later kinds are errors.
+        Missed = "missed",
+        /// Reported pairs that do not touch.
+        Spurious = "spurious",
+        /// Touching pairs that were reported again.
+        Duplicate = "duplicate",
+        Itself = "itself",
+        /// Labels (apart, tangent, overlap) that differ from the constructed label.
+        Label = "label",
+        /// Depths whose sign contradicts the label.
+        Depth = "depth",
+        /// Constructed labels that differ from rational arithmetic: an error of the campaign itself.
+        Construction = "construction",
+        Refused = "refused",
+    }
 }
 
-const NAMES: [&str; 19] = [
-    "pairs",
-    "tangent",
-    "overlap",
-    "apart",
-    "exact",
-    "in f64",
-    "wrong in f64",
-    "sampled",
-    "frames",
-    "built",
-    "came",
-    "missed",
-    "spurious",
-    "duplicate",
-    "itself",
-    "label",
-    "depth",
-    "construction",
-    "refused",
-];
-
 #[derive(Clone, Copy, Default)]
-pub struct Counts([u64; NAMES.len()]);
+pub struct Counts([u64; What::ALL.len()]);
 
 impl Counts {
     pub fn add(&mut self, what: What, n: u64) {
@@ -141,13 +122,13 @@ impl Table {
 
     /// Formats one line per row, without the columns that are all 0.
     pub fn text(&self) -> String {
-        let used: Vec<usize> = (0..NAMES.len())
+        let used: Vec<usize> = (0..What::ALL.len())
             .filter(|&k| k == What::Missed as usize || self.0.values().any(|it| it.0[k] > 0))
             .collect();
         let row = |head: String, cell: &dyn Fn(usize) -> String| {
             used.iter().fold(head, |row, &k| row + &format!(" {:>12}", cell(k))) + "\n"
         };
-        let mut text = row(format!("{:24} {:12}", "", ""), &|k| NAMES[k].into());
+        let mut text = row(format!("{:24} {:12}", "", ""), &|k| What::ALL[k].name().into());
         for ((what, place), counts) in &self.0 {
             text += &row(format!("{what:24} {place:12}"), &|k| counts.0[k].to_string());
         }

@@ -9,11 +9,11 @@
 //!   and within one ulp of the borders of cells.
 //! * `boxes` does the same in periodic boxes. Pairs touch through faces, edges and corners,
 //!   particles touch images of themselves, and particles are given by images up to 10^6 boxes away.
-//! * `courses` checks whether a safe tracker misses a contact. It covers all motions in 2D and 3D,
+//! * `trackers` checks whether a safe tracker misses a contact. It covers all motions in 2D and 3D,
 //!   speeds from 10^-4 to 1 diameters per frame, packed, loose and clustered scenes, one size and
 //!   many, and every safe arithmetic. One run in four shuffles the frames. Every detector searches
 //!   every frame and builds the lists of every safe rule.
-//! * `couples` builds pairs from integers that come into contact exactly when their displacements
+//! * `pairs` builds pairs from integers that come into contact exactly when their displacements
 //!   have used up the skin, at scales from 2^-900 to 2^900 and offsets up to 10^9 diameters.
 //!
 //! The column *exact* counts decisions that the filter left to exact arithmetic. The column *wrong
@@ -31,7 +31,7 @@ use contactbench_ground::contact::Test;
 struct Arguments {
     /// Names of the campaigns to run (default: all five)
     parts: Vec<String>,
-    /// Decisions in each campaign; a tenth for `couples`
+    /// Decisions in each campaign; a tenth for `pairs`
     #[arg(long, default_value_t = 1_000_000)]
     pairs: u64,
     /// Seed of all pairs and trajectories
@@ -50,8 +50,8 @@ const PARTS: [Part; 5] = [
     ("predicate", predicate::run, 1, |table| table.total(true).get(What::RoundedWrong)),
     ("detectors", boxes::detectors, 1, |table| table.total(true).get(What::RoundedWrong)),
     ("boxes", boxes::boxes, 1, |table| table.total(true).get(What::RoundedWrong)),
-    ("courses", moving::courses, 1, |table| table.total(false).get(What::Missed)),
-    ("couples", skin::pairs, 10, |table| table.total(false).get(What::Missed)),
+    ("trackers", moving::trackers, 1, |table| table.total(false).get(What::Missed)),
+    ("pairs", skin::pairs, 10, |table| table.total(false).get(What::Missed)),
 ];
 
 fn main() -> ExitCode {

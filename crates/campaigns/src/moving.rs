@@ -40,7 +40,7 @@ const SKINS: [Skin; 7] = [
 
 /// Runs all trackers on moving scenes. Motions, dimensions and arithmetics are used in turn;
 /// everything else is random.
-pub fn courses(plan: Plan) -> Table {
+pub fn trackers(plan: Plan) -> Table {
     let detectors = detectors();
     // A batch has every motion in both dimensions and each arithmetic.
     in_batches(plan, 2 * Arithmetic::SAFE.len() * Kind::ALL.len(), |piece| {
@@ -60,16 +60,16 @@ pub fn courses(plan: Plan) -> Table {
             skin,
             rule,
         };
-        let mut trackers = Vec::new();
+        let mut specs = Vec::new();
         for detector in &detectors {
-            trackers.push(TrackerSpec::EveryStep(detector.clone()));
-            trackers.extend(RULES.map(|rule| {
+            specs.push(TrackerSpec::EveryStep(detector.clone()));
+            specs.extend(RULES.map(|rule| {
                 verlet(detector, SKINS[draw.below(SKINS.len() as i64) as usize], rule)
             }));
         }
-        trackers.push(verlet(&detectors[0], Skin::Diameters(0.03), Rule::Every(10)));
+        specs.push(verlet(&detectors[0], Skin::Diameters(0.03), Rule::Every(10)));
         let mut table = Table::default();
-        trackers.iter().for_each(|spec| add(&mut table, spec, &frames, arithmetic));
+        specs.iter().for_each(|spec| add(&mut table, spec, &frames, arithmetic));
         table
     })
 }

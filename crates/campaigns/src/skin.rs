@@ -101,7 +101,7 @@ impl<const D: usize> Pair<D> {
     {
         let mut counts = crate::Counts::default();
         counts.add(What::Came, self.came() as u64);
-        table.add(self.name, "couples", counts);
+        table.add(self.name, "pairs", counts);
         let all = 0..self.frame_count();
         let exact = |k: usize| Frame { scene: self.scene(k), truth: self.touching(k) };
         let rounded = [Arithmetic::F32, Arithmetic::F64][draw.below(2) as usize];
@@ -149,63 +149,112 @@ impl<const D: usize> Pair<D> {
     }
 }
 
+/// Sizes on a line. The diameter is 2^p·m, the skin q·m times the length of the sphere's vectors.
+struct Line {
+    p: i64,
+    q: i64,
+    diameter: i64,
+    /// Diameter of the second particle, at most that of the first.
+    smaller: i64,
+    skin: i64,
+    /// Radii in half units; the second may be a half unit off.
+    radii: [i64; 2],
+    length: i64,
+}
+
+impl Line {
+    fn new(length: i64, offset: f64, [p, q]: [i64; 2], draw: &mut Draw) -> Line {
+        // Displacements are at most twelve skins.
+        let room = match offset == 0.0 {
+            true => FAR / (length * ((1 << p) + 12 * q)),
+            false => (FAR as f64 / offset) as i64 / (length << p),
+        };
+        let m = 2 * (room / 2).max(1);
+        let (diameter, skin) = (m << p, m * q);
+        let one_size = draw.once_in(2);
+        let smaller = if one_size { diameter } else { 2 * draw.below(diameter / 2 + 1) };
+        let other = smaller * length + if one_size { 0 } else { draw.bit() };
+        let radii = [diameter * length, other.max(0)];
+        Line { p, q, diameter, smaller, skin, radii, length }
+    }
+
+    /// Distance of two centres in contact.
+    fn touch(&self) -> i64 {
+        (self.diameter + self.smaller) / 2
+    }
+}
+
+/// The direction of a line: an axis or a Pythagorean vector, along which displacements are exact,
+/// or any direction, along which they are rounded.
+enum Direction<const D: usize> {
+    Whole([i64; D]),
+    /// A vector of length [`FAR`].
+    Any([i64; D]),
+}
+
+impl<const D: usize> Direction<D> {
+    fn new(sphere: &Sphere<D>, draw: &mut Draw) -> Direction<D> {
+        let whole = match draw.below(3) {
+            0 => {
+                let mut axis = [0; D];
+                let length = sphere.length;
+                axis[draw.below(D as i64) as usize] =
+                    if draw.once_in(2) { length } else { -length };
+                Some(axis)
+            }
+            1 => Some(sphere.any(draw)),
+            _ => None,
+        };
+        let any = direction(draw, FAR);
+        whole.map_or(Direction::Any(any), Direction::Whole)
+    }
+
+    /// Returns the displacement by this many times the length of the sphere's vectors.
+    fn along(&self, lengths: i64, length: i64) -> [i64; D] {
+        match self {
+            Direction::Whole(vector) => vector.map(|x| x * lengths),
+            Direction::Any(vector) => {
+                vector.map(|x| ((i128::from(x) * i128::from(lengths * length)) >> 52) as i64)
+            }
+        }
+    }
+}
+
 fn moved<const D: usize>(at: [i64; D], by: [i64; D], sign: i64) -> [i64; D] {
     std::array::from_fn(|k| at[k] + sign * by[k])
 }
 
+/// Changes one component by up to this many units.
+fn nearly<const D: usize>(mut at: [i64; D], units: i64, draw: &mut Draw) -> [i64; D] {
+    at[draw.below(D as i64) as usize] += draw.within(units);
+    at
+}
+
+/// Makes a pair whose particles approach each other by `alpha` and `skin - alpha`, in one to three
+/// steps, each end position being off by a few units at most.
 fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Pair<D> {
-    let (p, length) = (1 + draw.below(6), sphere.length);
+    let p = 1 + draw.below(6);
     let q = 1 + draw.below(3 << p);
     let offset = OFFSETS[draw.below(OFFSETS.len() as i64) as usize];
-    // The diameter is 2^p·m times `length`; the skin is q·m times `length`. Displacements are at
-    // most twelve skins.
-    let room = if offset == 0.0 {
-        FAR / (length * ((1 << p) + 12 * q))
-    } else {
-        (FAR as f64 / offset) as i64 / (length << p)
-    };
-    let m = 2 * (room / 2).max(1);
-    let (diameter, skin) = (m << p, m * q);
-    let alone = draw.once_in(2);
-    let smaller = if alone { diameter } else { 2 * draw.below(diameter / 2 + 1) };
-    let other = smaller * length + if alone { 0 } else { draw.bit() };
-    let radii = [diameter * length, other.max(0)];
-    let touch = (diameter + smaller) / 2;
-
-    let whole = match draw.below(3) {
-        0 => {
-            let mut axis = [0; D];
-            axis[draw.below(D as i64) as usize] = if draw.once_in(2) { length } else { -length };
-            Some(axis)
-        }
-        1 => Some(sphere.any(draw)),
-        _ => None,
-    };
-    let any: [i64; D] = direction(draw, FAR);
-    let along = |lengths: i64| match whole {
-        Some(vector) => vector.map(|x| x * lengths),
-        None => any.map(|x| ((i128::from(x) * i128::from(lengths * length)) >> 52) as i64),
-    };
+    let line = Line::new(sphere.length, offset, [p, q], draw);
+    let Line { skin, length, .. } = line;
+    let direction = Direction::new(sphere, draw);
+    let along = |lengths| direction.along(lengths, length);
     let units = [0, 0, 1, 1, 2, 40][draw.below(6) as usize];
-    let nearly = |at: [i64; D], draw: &mut Draw| {
-        let mut at = at;
-        at[draw.below(D as i64) as usize] += draw.within(units);
-        at
-    };
+    let base = if offset == 0.0 { 0 } else { FAR * 3 / 2 };
     let a: [i64; D] = std::array::from_fn(|_| {
-        let x =
-            if offset == 0.0 { draw.within(1 << 50) } else { FAR * 3 / 2 + draw.within(1 << 50) };
+        let x = base + draw.within(1 << 50);
         if draw.once_in(2) { -x } else { x }
     });
-    let b = nearly(moved(a, along(touch + skin), 1), draw);
+    let b = nearly(moved(a, along(line.touch() + skin), 1), units, draw);
     let alpha = match draw.below(4) {
         0 => skin,
         1 => 0,
         2 => skin / 2,
         _ => draw.below(skin + 1),
     };
-    let end =
-        [nearly(moved(a, along(alpha), 1), draw), nearly(moved(b, along(skin - alpha), -1), draw)];
+    let end = [moved(a, along(alpha), 1), moved(b, along(skin - alpha), -1)];
+    let end = end.map(|at| nearly(at, units, draw));
     let mut frames = Vec::new();
     // Sometimes a list of the final positions is built first; it is useless after a jump away.
     if draw.once_in(3) {
@@ -213,9 +262,10 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Pair<D> {
     }
     let start = frames.len();
     let steps = 1 + draw.below(3);
-    frames.extend((0..steps).map(|k| {
+    let step = |k| {
         [moved(a, along(alpha * k / steps), 1), moved(b, along((skin - alpha) * k / steps), -1)]
-    }));
+    };
+    frames.extend((0..steps).map(step));
     frames.push(end);
     if draw.once_in(4) {
         frames.extend([[a, b], end]);
@@ -223,18 +273,18 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Pair<D> {
     let mut pair = Pair {
         name: "line",
         frames: frames.into_iter().map(Vec::from).collect(),
-        radii: radii.to_vec(),
+        radii: line.radii.to_vec(),
         exponent: 0,
-        skin: q as f64 / (1 << p) as f64,
+        skin: line.q as f64 / (1 << line.p) as f64,
         skin_units: 2 * skin * length,
         start,
     };
     // Some motions have a third particle, which does not move.
     if draw.once_in(2) {
-        let most = (touch + skin) * length;
+        let most = (line.touch() + skin) * length;
         let at = std::array::from_fn(|k| a[k] + draw.within(most));
         pair.frames.iter_mut().for_each(|frame| frame.push(at));
-        pair.radii.push(radii[1]);
+        pair.radii.push(line.radii[1]);
     }
     pair
 }

@@ -6,17 +6,16 @@ mod check;
 mod failure;
 mod given;
 mod neighbours;
-mod pages;
 mod recommend;
 mod record;
 mod search;
 mod verify;
 
-use pages::Pages;
+use contactbench_run::run::runner::alloc::Counting;
 
-/// Counts memory, as runners must, and uses large pages, because calls allocate much at once.
+/// Counts memory, as runners must.
 #[global_allocator]
-static ALLOCATOR: Pages = Pages;
+static ALLOCATOR: Counting = Counting;
 
 /// Native functions of the package `contactbench`.
 #[pyo3::pymodule]

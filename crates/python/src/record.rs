@@ -28,10 +28,7 @@ pub enum Values {
 /// with its kind (`text`, `whole`, `number` or `flag`); notes about skipped lines; and the
 /// provenance as JSON.
 #[pyfunction]
-pub fn load(
-    py: Python<'_>,
-    path: PathBuf,
-) -> PyResult<(Vec<(String, &'static str, Values)>, Vec<String>, Vec<String>)> {
+pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<(Vec<Column>, Vec<String>, Vec<String>)> {
     work(py, || {
         let file = if path.is_dir() { path.join(row::FILE) } else { path };
         let around = file.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -43,69 +40,70 @@ pub fn load(
     })
 }
 
-fn columns(rows: &[Row]) -> Vec<(String, &'static str, Values)> {
-    let text = |name: &str, of: fn(&Row) -> Option<&str>| {
-        let values = rows.iter().map(|row| of(row).map(str::to_string)).collect();
-        (name.to_string(), "text", Values::Text(values))
-    };
-    let whole = |name: &str, of: fn(&Row) -> Option<u64>| {
-        // A number beyond the range of i64 becomes an absent value.
-        let values = rows.iter().map(|row| of(row).and_then(|x| x.try_into().ok())).collect();
-        (name.to_string(), "whole", Values::Whole(values))
-    };
+/// A column: its name, its kind and its values.
+type Column = (String, &'static str, Values);
+
+fn text<'a>(name: &str, values: impl Iterator<Item = Option<&'a str>>) -> Column {
+    (name.into(), "text", Values::Text(values.map(|value| value.map(str::to_string)).collect()))
+}
+
+/// A number beyond the range of i64 becomes an absent value.
+fn whole(name: &str, values: impl Iterator<Item = Option<u64>>) -> Column {
+    let values = values.map(|value| value.and_then(|value| value.try_into().ok()));
+    (name.into(), "whole", Values::Whole(values.collect()))
+}
+
+fn columns(rows: &[Row]) -> Vec<Column> {
+    let all = || rows.iter();
+    let subjects: Vec<String> = all().map(|row| row.id.subject()).collect();
+    let roles: Vec<String> = all().map(|row| role_of(&row.role)).collect();
     let mut columns = vec![
-        text("experiment", |row| Some(&row.id.experiment)),
-        text("scene", |row| Some(&row.id.scene)),
-        whole("dim", |row| Some(row.id.dim.into())),
-        text("order", |row| Some(&row.id.order)),
-        whole("n", |row| Some(row.id.n)),
-        whole("seed", |row| Some(row.id.seed)),
-        text("arithmetic", |row| Some(&row.id.arithmetic)),
-        whole("threads", |row| Some(row.id.threads().into())),
-        text("detector", |row| Some(&row.id.detector)),
-        text("machine", |row| row.id.machine.as_deref()),
+        text("experiment", all().map(|row| Some(&*row.id.experiment))),
+        text("scene", all().map(|row| Some(&*row.id.scene))),
+        whole("dim", all().map(|row| Some(row.id.dim.into()))),
+        text("order", all().map(|row| Some(&*row.id.order))),
+        whole("n", all().map(|row| Some(row.id.n))),
+        whole("seed", all().map(|row| Some(row.id.seed))),
+        text("arithmetic", all().map(|row| Some(&*row.id.arithmetic))),
+        whole("threads", all().map(|row| Some(row.id.threads().into()))),
+        text("detector", all().map(|row| Some(&*row.id.detector))),
+        text("machine", all().map(|row| row.id.machine.as_deref())),
     ];
-    let known: BTreeSet<String> = columns.iter().map(|(name, ..)| name.clone()).collect();
-    let scenes = rows.iter().flat_map(|row| row.id.parameters());
-    let detectors = rows
-        .iter()
-        .flat_map(|row| row.id.detector_parameters().map(|(name, value)| (name, value.clone())));
-    let names: BTreeSet<String> = scenes.chain(detectors).map(|(name, _)| name).collect();
-    for name in names.difference(&known) {
-        let values = rows.iter().map(|row| row.id.axis(name)).collect();
-        columns.push(parameter(name, values));
-    }
-    let subject = rows.iter().map(|row| row.id.subject()).map(Some).collect();
-    columns.push(("contender".into(), "text", Values::Text(subject)));
-    let role = rows.iter().map(|row| Some(role_of(&row.role))).collect();
-    columns.push(("role".into(), "text", Values::Text(role)));
+    columns.extend(parameters(rows, &columns));
     columns.extend([
-        text("pass", |row| Some(row.pass.name())),
-        whole("block", |row| Some(row.block.into())),
-        text("outcome", |row| Some(row.outcome.name())),
-        text("reason", |row| Some(&row.reason)),
-        text("digest", |row| row.digest.as_deref()),
-        whole("calls", |row| row.calls),
-        whole("elapsed_ns", |row| row.elapsed_ns),
+        text("contender", subjects.iter().map(|subject| Some(&**subject))),
+        text("role", roles.iter().map(|role| Some(&**role))),
+        text("pass", all().map(|row| Some(row.pass.name()))),
+        whole("block", all().map(|row| Some(row.block.into()))),
+        text("outcome", all().map(|row| Some(row.outcome.name()))),
+        text("reason", all().map(|row| Some(&*row.reason))),
+        text("digest", all().map(|row| row.digest.as_deref())),
+        whole("calls", all().map(|row| row.calls)),
+        whole("elapsed_ns", all().map(|row| row.elapsed_ns)),
     ]);
-    for column in COLUMNS.iter() {
-        let name = column.name.to_string();
-        let numbers = rows.iter().map(|row| column.read(row));
-        columns.push(match column.is_whole() {
+    columns.extend(COLUMNS.iter().map(|column| {
+        let numbers = all().map(|row| column.read(row));
+        match column.is_whole() {
             // All numbers are below 2^53, or the reader has rounded them.
-            true => {
-                let values = numbers.map(|x| x.map(|x| x as i64)).collect();
-                (name, "whole", Values::Whole(values))
-            }
-            false => (name, "number", Values::Number(numbers.collect())),
-        });
-    }
+            true => whole(column.name, numbers.map(|x| x.map(|x| x as u64))),
+            false => (column.name.into(), "number", Values::Number(numbers.collect())),
+        }
+    }));
     columns.extend([
-        text("scene_hash", |row| Some(&row.stats.scene_hash)),
-        text("process", |row| row.process.as_deref()),
-        text("span", |row| row.span.as_deref()),
+        text("scene_hash", all().map(|row| Some(&*row.stats.scene_hash))),
+        text("process", all().map(|row| row.process.as_deref())),
+        text("span", all().map(|row| row.span.as_deref())),
     ]);
     columns
+}
+
+/// Returns a column for each parameter of scenes and detectors that is not among `known`.
+fn parameters(rows: &[Row], known: &[Column]) -> Vec<Column> {
+    let scenes = rows.iter().flat_map(|row| row.id.parameters()).map(|(name, _)| name);
+    let detectors = rows.iter().flat_map(|row| row.id.detector_parameters());
+    let names: BTreeSet<String> = scenes.chain(detectors.map(|(name, _)| name)).collect();
+    let new = names.iter().filter(|name| known.iter().all(|(known, ..)| known != *name));
+    new.map(|name| parameter(name, rows.iter().map(|row| row.id.axis(name)).collect())).collect()
 }
 
 /// Returns the role as `detector`, `peer`, `runner`, `nothing`, `twin of NAME` or `base of NAME`.
@@ -121,7 +119,7 @@ fn role_of(role: &Role) -> String {
 }
 
 /// Returns a parameter's column with the simplest kind that holds all of its values.
-fn parameter(name: &str, values: Vec<Option<AxisValue>>) -> (String, &'static str, Values) {
+fn parameter(name: &str, values: Vec<Option<AxisValue>>) -> Column {
     let name = name.to_string();
     let all = |is: fn(&AxisValue) -> bool| values.iter().flatten().all(is);
     if all(|value| matches!(value, AxisValue::Bool(_))) {

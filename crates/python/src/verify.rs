@@ -47,9 +47,8 @@ pub fn verify<'py>(
     };
     let arithmetic = self::arithmetic(arithmetic)?;
     if !(skin >= 0.0 && skin.is_finite()) {
-        return Err(
-            Failure::value(format!("skin is {skin}; it must be a length of at least 0")).into()
-        );
+        let reason = format!("skin is {skin}; it must be a length of at least 0");
+        return Err(Failure::value(reason).into());
     }
     let terms = Terms {
         arithmetic,
@@ -58,11 +57,12 @@ pub fn verify<'py>(
         kept: most,
         without: None,
     };
-    let boxed = arrays.lattice()?.is_some().then_some(if x_is_flat(&x) { 2 } else { 3 });
+    let dim = x.as_array().shape().last().copied().unwrap_or(3);
+    let boxed = arrays.lattice()?.is_some().then_some(dim.min(3));
     let count = list.len();
     let compare = move |arrays: Arrays<'_>, list: &[[i64; 2]]| {
         let listed = Listed { pairs: list, images: images.as_deref() };
-        pool(threads)?.install(|| held(&arrays, listed, base, terms))
+        pool(threads)?.install(|| compared(&arrays, listed, base, terms))
     };
     let (found, reading, causes) = if is_main_thread() {
         let (arrays, list) = py.detach(|| Ok::<_, Failure>((arrays.copied()?, copied(list)?)))?;
@@ -70,23 +70,28 @@ pub fn verify<'py>(
     } else {
         work(py, || compare(arrays, list))?
     };
+    let out = result(py, &found, boxed)?;
+    out.set_item("listed", count)?;
+    out.set_item("hint", reading.as_ref().map(Reading::sentence))?;
+    out.set_item("causes", causes.map(|causes| by_cause(py, &causes)).transpose()?)?;
+    Ok(out)
+}
+
+fn result<'py>(
+    py: Python<'py>,
+    found: &Verification,
+    boxed: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
     let out = PyDict::new(py);
     out.set_item("same", found.is_same())?;
     out.set_item("contacts", found.truth.len())?;
-    out.set_item("listed", count)?;
     out.set_item("errors", errors(py, &found.errors)?)?;
     out.set_item("missed", worst(py, &found.missed, boxed)?)?;
     out.set_item("spurious", worst(py, &found.spurious, boxed)?)?;
     out.set_item("unknown", rows(py, found.unknown.clone().into_flattened(), 2)?)?;
     out.set_item("one_sided", rows(py, found.one_sided.clone().into_flattened(), 2)?)?;
     out.set_item("within_skin", found.within_skin)?;
-    out.set_item("hint", reading.as_ref().map(Reading::sentence))?;
-    out.set_item("causes", causes.map(|causes| by_cause(py, &causes)).transpose()?)?;
     Ok(out)
-}
-
-fn x_is_flat(x: &PyReadonlyArrayDyn<'_, f64>) -> bool {
-    x.as_array().shape().last() == Some(&2)
 }
 
 fn padded(images: &[i32], width: usize) -> Vec<[i32; 3]> {
@@ -96,7 +101,7 @@ fn padded(images: &[i32], width: usize) -> Vec<[i32; 3]> {
 
 /// Compares a list with the truth in an arithmetic. Also returns other possible meanings of the
 /// list and, if the arithmetic rounds, the errors by cause.
-fn held(
+fn compared(
     arrays: &Arrays<'_>,
     list: Listed<'_>,
     base: i64,

@@ -1,6 +1,7 @@
-"""The notebooks run, and their assertions hold."""
+"""The notebooks and examples run, and their assertions hold."""
 
 import pathlib
+import runpy
 
 import pytest
 
@@ -18,3 +19,16 @@ def test_a_notebook_runs(path):
         "it is committed without outputs"
     )
     nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+
+
+def test_other_libraries_read_other_files(tmp_path):
+    meshio = pytest.importorskip("meshio")
+    io = pytest.importorskip("ase.io")
+    ase = pytest.importorskip("ase")
+    x = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [9.5, 0.0, 0.0]]
+    examples = runpy.run_path(str(EXAMPLES.parents[2] / "examples" / "any_file.py"))
+    mesh = meshio.Mesh(x, [("vertex", [[0], [1], [2]])], point_data={"radius": [0.5, 0.5, 0.5]})
+    mesh.write(tmp_path / "x.vtu")
+    assert examples["with_meshio"](tmp_path / "x.vtu")[0].tolist() == [[0, 1]]
+    io.write(tmp_path / "x.cif", ase.Atoms("C3", x, cell=[10, 10, 10], pbc=True))
+    assert examples["with_ase"](tmp_path / "x.cif", 0.5)[0].tolist() == [[0, 1], [0, 2]]

@@ -12,13 +12,12 @@ pub mod slabs;
 pub mod verb;
 pub mod world;
 
-use std::iter::zip;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
 use crate::bodies::Numbered;
-use crate::rank::{Failure, Rank, failed, together};
+use crate::rank::{Failure, Rank, Traffic, failed, together};
 use crate::share::Share;
 use crate::world::World;
 use contactbench::io::Given;
@@ -153,6 +152,7 @@ fn searcher(setting: Setting<'_>) -> Searcher {
     Searcher::new(setting.spec.make(Options { memory_limit: setting.memory_limit, threads: 1 }))
 }
 
+/// Measures the steps of one rank in `D` dimensions.
 fn of<const D: usize>(
     world: &impl World,
     scene: &Scene<'_, f64, D>,
@@ -167,57 +167,32 @@ where
     let mut rank = Rank::new(world, bodies, lattice)?;
     let mut searcher = searcher(setting);
     let mut contacts = ContactList::default();
-    let mut steps = [const { Vec::new() }; 4];
-    let mut traffic = Default::default();
+    let mut steps = Vec::new();
+    let mut traffic = Traffic::default();
     for step in 0..=setting.steps {
-        world.sum(&mut [0]);
-        let begun = Instant::now();
-        traffic = rank.refresh(world)?;
-        let known = Instant::now();
-        let result = rank.search(&mut searcher, &mut contacts);
-        let found = Instant::now();
-        together(world, result)?;
-        let mut alone = Duration::ZERO;
-        let mut again = Ok(());
-        for turn in 0..world.size() {
-            world.sum(&mut [0]);
-            if turn == world.rank() {
-                let begun = Instant::now();
-                again = rank.search(&mut searcher, &mut contacts);
-                alone = begun.elapsed();
-            }
-        }
-        together(world, again)?;
-        let times = [found - begun, known - begun, found - known, alone];
-        let mut times = times.map(|time| time.as_secs_f64() * 1e3);
-        world.largest(&mut times);
-        if step > 0 {
-            steps.iter_mut().zip(times).for_each(|(of, time)| of.push(time));
-        }
+        let times;
+        (traffic, times) = timed(world, &mut rank, &mut searcher, &mut contacts)?;
+        // The first step only warms up.
+        steps.extend((step > 0).then_some(times));
     }
     let memory = rank.formula_bytes(&searcher)
         + contacts.plain.capacity() as u64 * PAIR_BYTES
         + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
-    let digest = rank.digest(&contacts);
+    let found = rank.digest(&contacts);
     let own = rank.own() as u64;
-    let mut sums = [own, traffic.particles, traffic.bytes, digest.contacts, digest.sum];
-    world.sum(&mut sums);
-    let most = [own, rank.halo() as u64, traffic.bytes, traffic.partners, memory];
-    // The conversion is exact, because the numbers are below 2^53.
-    let [own_most, halo, bytes, partners, memory] = most.map(|number| number as f64);
-    let mut most = [own_most, -own_most, halo, bytes, partners, memory];
-    world.largest(&mut most);
+    let [n, sent, sent_bytes, contacts, sum] =
+        sums(world, [own, traffic.particles, traffic.bytes, found.contacts, found.sum]);
+    let [own_most, halo_most, sent_bytes_most, partners_most, memory_most] =
+        most(world, [own, rank.halo() as u64, traffic.bytes, traffic.partners, memory]);
+    // The rank that owns the least leaves the most to others.
+    let [others_most] = most(world, [n - own]);
     let (along, around) = rank.slabs().direction();
-    let [n, sent, sent_bytes, contacts, sum] = sums;
-    let digest = Whole::of(Digest { contacts, sum });
-    let alone_over = |times: &[f64]| {
-        let told = zip(&steps[3], times).filter(|(_, time)| **time > 0.0);
-        let ratios: Vec<f64> = told.map(|(alone, time)| alone / time).collect();
-        interval(&ratios)
+    let found = Whole::of(Digest { contacts, sum });
+    let time = |of: fn(&Times) -> f64| median(&steps.iter().map(of).collect::<Vec<_>>());
+    let alone_over = |of: fn(&Times) -> f64| {
+        let timed = steps.iter().filter(|times| of(times) > 0.0);
+        interval(&timed.map(|times| times.alone / of(times)).collect::<Vec<_>>())
     };
-    let (alone_over_step, alone_over_search) = (alone_over(&steps[0]), alone_over(&steps[2]));
-    let [step_ms, exchange_ms, search_ms, alone_ms] =
-        steps.map(|times| median(&times).unwrap_or(0.0));
     Ok(Row {
         scene: String::new(),
         n,
@@ -227,24 +202,79 @@ where
         ranks: world.size(),
         along,
         around,
-        own: [-most[1] as u64, most[0] as u64],
-        halo_most: most[2] as u64,
+        own: [n - others_most, own_most],
+        halo_most,
         sent,
         sent_bytes,
-        sent_bytes_most: most[3] as u64,
-        partners_most: most[4] as u64,
-        step_ms,
-        exchange_ms,
-        search_ms,
-        alone_ms,
-        alone_over_step,
-        alone_over_search,
-        memory_most: most[5] as u64,
-        pairs: digest.pairs,
-        digest: digest.digest,
+        sent_bytes_most,
+        partners_most,
+        step_ms: time(|it| it.step).unwrap_or(0.0),
+        exchange_ms: time(|it| it.exchange).unwrap_or(0.0),
+        search_ms: time(|it| it.search).unwrap_or(0.0),
+        alone_ms: time(|it| it.alone).unwrap_or(0.0),
+        alone_over_step: alone_over(|it| it.step),
+        alone_over_search: alone_over(|it| it.search),
+        memory_most,
+        pairs: found.pairs,
+        digest: found.digest,
         whole: None,
         revision: provenance::revision(),
         dirty: provenance::dirty(),
         machine: provenance::machine(),
     })
+}
+
+/// Times of a step in milliseconds, each of the slowest rank.
+struct Times {
+    step: f64,
+    exchange: f64,
+    search: f64,
+    /// The search again, while all other ranks wait.
+    alone: f64,
+}
+
+/// Runs a step; returns this rank's traffic, and the times of all ranks.
+fn timed<const D: usize>(
+    world: &impl World,
+    rank: &mut Rank<D>,
+    searcher: &mut Searcher,
+    contacts: &mut ContactList,
+) -> Result<(Traffic, Times), Failure>
+where
+    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+{
+    world.sum(&mut [0]);
+    let begun = Instant::now();
+    let traffic = rank.refresh(world)?;
+    let arrived = Instant::now();
+    let result = rank.search(searcher, contacts);
+    let found = Instant::now();
+    together(world, result)?;
+    let (mut alone, mut again) = (Duration::ZERO, Ok(()));
+    for turn in 0..world.size() {
+        world.sum(&mut [0]);
+        if turn == world.rank() {
+            let begun = Instant::now();
+            again = rank.search(searcher, contacts);
+            alone = begun.elapsed();
+        }
+    }
+    together(world, again)?;
+    let times = [found - begun, arrived - begun, found - arrived, alone];
+    let mut times = times.map(|time| time.as_secs_f64() * 1e3);
+    world.largest(&mut times);
+    let [step, exchange, search, alone] = times;
+    Ok((traffic, Times { step, exchange, search, alone }))
+}
+
+fn sums<const N: usize>(world: &impl World, mut numbers: [u64; N]) -> [u64; N] {
+    world.sum(&mut numbers);
+    numbers
+}
+
+/// Returns the maxima over the ranks of numbers below 2^53, which are exact in f64.
+fn most<const N: usize>(world: &impl World, numbers: [u64; N]) -> [u64; N] {
+    let mut numbers = numbers.map(|number| number as f64);
+    world.largest(&mut numbers);
+    numbers.map(|number| number as u64)
 }

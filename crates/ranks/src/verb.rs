@@ -10,7 +10,7 @@ use crate::rank::Failure;
 use crate::rank::{alike, together};
 use crate::share::{Dealt, Share};
 use crate::world::{World, threads};
-use crate::{Row, Setting, measure, whole};
+use crate::{Row, Setting, Whole, measure, whole};
 use anyhow::{Context, bail, ensure};
 use contactbench::cli::shared::input::doubt_given;
 #[cfg(feature = "mpi")]
@@ -209,73 +209,61 @@ fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
     }
     let mut blocks = Vec::new();
     if let Some(row) = rows.iter().max_by_key(|row| row.ranks) {
-        blocks.push(Block::paragraph(format!(
-            "{}: {}D, {}, exact arithmetic; slabs along {}.",
-            row.scene,
-            row.dim,
-            row.detector,
-            direction(row)
-        )));
-        blocks.push(Block::Table(table(rows)));
-        if row.kind == "threads" {
-            let most = rows.iter().map(|row| row.ranks).max().unwrap_or(1);
-            let have = std::thread::available_parallelism().map_or(1, |number| number.get());
-            if most > have {
-                blocks.push(Block::paragraph(format!(
-                    "There are more ranks than processors ({have}), so ranks take turns, and \
-                     times are longer than with a processor each."
-                )));
-            }
+        blocks.extend([heading(row), Block::Table(table(rows))]);
+        let have = std::thread::available_parallelism().map_or(1, |number| number.get());
+        if row.kind == "threads" && row.ranks > have {
+            blocks.push(Block::paragraph(format!(
+                "There are more ranks than processors ({have}), so ranks take turns, and times are \
+                 longer than with a processor each."
+            )));
         }
     }
-    let mut code = ExitCode::SUCCESS;
+    blocks.extend(rows.iter().filter(|row| row.ranks > 1).map(sharing));
+    blocks.extend(rows.iter().map(verdict));
+    if options.model {
+        blocks.extend(model(rows, options.network));
+    }
+    write!(terminal::out(), "{}", plain(&blocks, terminal::width()))?;
+    let wrong = rows.iter().any(|row| row.is_right() == Some(false));
+    Ok(if wrong { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+fn heading(row: &Row) -> Block {
+    let along = match row.around {
+        false => ["x", "y", "z"][row.along.min(2)].into(),
+        true => format!("vector {} of the box", row.along + 1),
+    };
+    let Row { scene, dim, detector, .. } = row;
+    Block::paragraph(format!("{scene}: {dim}D, {detector}, exact arithmetic; slabs along {along}."))
+}
+
+/// Returns how much of a step an undisturbed search takes.
+fn sharing(row: &Row) -> Block {
     let ratio = |of: &Option<Interval>| match of {
         Some(ratio) if ratio.coverage >= COVERAGE => with_interval(ratio),
         Some(ratio) => times(ratio.median),
         None => "–".into(),
     };
-    for row in rows.iter().filter(|row| row.ranks > 1) {
-        blocks.push(Block::paragraph(format!(
-            "{}: alone / step {}; alone / search {} (1: sharing memory and cores costs nothing).",
-            plural(row.ranks, "rank"),
-            ratio(&row.alone_over_step),
-            ratio(&row.alone_over_search)
-        )));
-    }
-    for row in rows {
-        let right = row.is_right();
-        let verdict = match (right, &row.whole) {
-            (Some(true), _) => "those of one process".to_string(),
-            (Some(false), Some(whole)) => {
-                code = ExitCode::FAILURE;
-                format!(
-                    "WRONG: one process finds {}, digest {}",
-                    plural(whole.pairs as usize, "pair"),
-                    whole.digest
-                )
-            }
-            _ => "not compared with one process".to_string(),
-        };
-        blocks.push(Block::paragraph(format!(
-            "{}: {}, digest {}: {verdict}.",
-            plural(row.ranks, "rank"),
-            plural(row.pairs as usize, "pair"),
-            row.digest
-        )));
-    }
-    if options.model {
-        blocks.extend(model(rows, options.network));
-    }
-    let mut out = terminal::out();
-    write!(out, "{}", plain(&blocks, terminal::width()))?;
-    Ok(code)
+    Block::paragraph(format!(
+        "{}: alone / step {}; alone / search {} (1: sharing memory and cores costs nothing).",
+        plural(row.ranks, "rank"),
+        ratio(&row.alone_over_step),
+        ratio(&row.alone_over_search)
+    ))
 }
 
-fn direction(row: &Row) -> String {
-    match row.around {
-        false => ["x", "y", "z"][row.along.min(2)].into(),
-        true => format!("vector {} of the box", row.along + 1),
-    }
+/// Returns the contacts of all ranks, compared with those of one process.
+fn verdict(row: &Row) -> Block {
+    let verdict = match &row.whole {
+        None => "not compared with one process".to_string(),
+        Some(_) if row.is_right() == Some(true) => "those of one process".to_string(),
+        Some(Whole { pairs, digest }) => {
+            let pairs = plural(*pairs as usize, "pair");
+            format!("WRONG: one process finds {pairs}, digest {digest}")
+        }
+    };
+    let (ranks, pairs) = (plural(row.ranks, "rank"), plural(row.pairs as usize, "pair"));
+    Block::paragraph(format!("{ranks}: {pairs}, digest {}: {verdict}.", row.digest))
 }
 
 fn table(rows: &[Row]) -> Table {
