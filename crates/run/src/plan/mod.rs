@@ -77,7 +77,10 @@ fn checked<'a>(
     experiment.detectors = detectors::expand(&experiment.detectors, is_copy)
         .map_err(|words| document.key("detectors", words))?;
     experiment.ratios_to = experiment.ratios_to.as_deref().map(detectors::normal);
-    resolve_names(&mut experiment, &document)?;
+    // In a copy, a group that this program lacks stands for the detectors that it lacks.
+    let lacks = |name: &&String| contactbench_detectors::tracker::parse(name).is_err();
+    let gone: Vec<String> = experiment.detectors.iter().filter(lacks).cloned().collect();
+    resolve_names(&mut experiment, &document, is_copy.then_some(&gone[..]))?;
     experiment.check(&document)?;
     for sweep in &mut experiment.scenes {
         scenes::relative_to(sweep, folder).with_context(|| format!("line {}", sweep.line))?;
@@ -98,19 +101,23 @@ fn checked<'a>(
     Ok((experiment, document))
 }
 
-fn resolve_names(experiment: &mut Experiment, document: &Document<'_>) -> anyhow::Result<()> {
+fn resolve_names(
+    experiment: &mut Experiment,
+    document: &Document<'_>,
+    gone: Option<&[String]>,
+) -> anyhow::Result<()> {
     let runners = experiment.runners.iter().map(|runner| runner.name.clone());
     let known: Vec<String> = experiment.detectors.iter().cloned().chain(runners).collect();
     for (k, claim) in experiment.claims.iter_mut().enumerate() {
         let problem = |words| document.claim(k, words);
-        resolve(&mut claim.filter).map_err(problem)?;
+        resolve(&mut claim.filter, gone).map_err(problem)?;
         if let Some(than) = claim.kind.than_mut() {
             name_one(than, "than", &known).map_err(problem)?;
         }
     }
     for (k, figure) in experiment.figures.iter_mut().enumerate() {
         let problem = |words| document.figure(k, words);
-        resolve(&mut figure.filter).map_err(problem)?;
+        resolve(&mut figure.filter, gone).map_err(problem)?;
         if let FigureKind::Bars(Bars { to }) = &mut figure.kind {
             name_one(to, "to", &known).map_err(problem)?;
         }
@@ -130,13 +137,17 @@ fn name_one(name: &mut String, key: &str, known: &[String]) -> Result<(), String
     ))
 }
 
-pub fn resolve(filter: &mut Where) -> Result<(), String> {
+fn resolve(filter: &mut Where, gone: Option<&[String]>) -> Result<(), String> {
     let Some(list) = filter.get_mut("detector") else { return Ok(()) };
     let mut all = Vec::new();
     for value in list.0.drain(..) {
         match value.as_str() {
             Some(group) if group.starts_with('@') => {
-                all.extend(detectors::members(group)?.into_iter().map(toml::Value::from));
+                let members = match (detectors::members(group), gone) {
+                    (Err(_), Some(gone)) => gone.to_vec(),
+                    (members, _) => members?,
+                };
+                all.extend(members.into_iter().map(toml::Value::from));
             }
             Some(name) => all.push(detectors::normal(name).into()),
             None => all.push(value),
