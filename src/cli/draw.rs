@@ -3,11 +3,10 @@ use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 
-use crate::cli::shared::input::{self, doubt_given};
+use crate::cli::shared::input;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::terminal;
-use contactbench_ground::contact::Arithmetic;
 use contactbench_io as io;
 use contactbench_io::pairs::List;
 use contactbench_io::{Frame, Place};
@@ -44,7 +43,6 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         "{place}: the picture is SVG; give a name such as -o scene.svg"
     );
     let (name, given) = options.source.given()?;
-    doubt_given(&name, &given, Arithmetic::Exact);
     let periodic = in_any_box(&given)?;
     let (n, dim) = (periodic.scene().len(), periodic.scene().dim());
     let limit = options.limit.bytes(n);

@@ -7,7 +7,6 @@ use anyhow::{Context, ensure};
 use serde_json::{Value, json};
 
 use crate::cli::shared::arithmetic::arithmetic;
-use crate::cli::shared::input::doubt_given;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::output::Output;
 use crate::cli::shared::scene::Source;
@@ -53,7 +52,6 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
     let (name, given) = options.source.given()?;
-    doubt_given(&name, &given, options.arithmetic);
     let none = given.scene.is_empty();
     ensure!(!none, "{name}: the scene has no particles");
     let history = history(&name)?;

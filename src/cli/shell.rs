@@ -19,8 +19,7 @@ use contactbench_terms::nearest::nearest;
 pub fn advice(error: &clap::Error) -> Option<String> {
     if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) {
         return Path::new(word).is_file().then(|| {
-            "to read several files as one trajectory, give a pattern in quotes, as in \
-             'run_*.vtp', or a list of files (.pvd, .series)"
+            "to read several files as one trajectory, give a pattern in quotes, as in 'run_*.csv'"
                 .into()
         });
     }

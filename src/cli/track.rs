@@ -72,8 +72,8 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     };
     let trackers: Vec<TrackerSpec> =
         texts.into_iter().map(tracker::parse).collect::<Result<_, _>>()?;
-    let Track { motion, frames, arithmetic, .. } = *options;
-    let wanted = Wanted { motion, frames, arithmetic };
+    let Track { motion, frames, .. } = *options;
+    let wanted = Wanted { motion, frames };
     sequence(&options.source, &wanted, |sequence| followed(options, &trackers, sequence))
 }
 

@@ -10,23 +10,11 @@ use std::str::FromStr;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::Notice;
 use crate::raw::lines::{Lines, number, shown};
+use crate::types::{Declared, Notice, assumed};
 use contactbench_ground::scene::Lattice;
 
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Declared {
-    /// Vectors of the box, one per row; `None` if the file only states that particles are periodic.
-    pub vectors: Option<[[f64; 3]; 3]>,
-    pub origin: [f64; 3],
-    /// Vectors along which the file declares the box periodic; `None` if it does not state them.
-    pub periodic: Option<[bool; 3]>,
-    /// Whether the vectors were rounded when they were computed from the numbers in the file.
-    pub rounded: bool,
-    /// Least and largest coordinate along each axis, if the edges of the box are parallel to the
-    /// axes and the file states these coordinates.
-    pub ranges: Option<Vec<[f64; 2]>>,
-}
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Returns the vectors of a box from 2 to 9 numbers. 2 or 3 numbers are edges along the axes; 6 are
 /// edges and the tilt of LAMMPS; 4 or 9 are whole vectors.
@@ -41,26 +29,19 @@ pub fn vectors(numbers: &[f64]) -> Option<[[f64; 3]; 3]> {
     })
 }
 
+/// Parses a bound of the box in cell `k` of the current line.
 pub fn bound(cell: &[u8], k: usize, lines: &Lines<'_>) -> anyhow::Result<f64> {
     number(cell).filter(|x| x.is_finite()).with_context(|| {
-        format!(
-            "{}: column {}: '{}' is not a finite number; a bound of the box is expected",
-            lines.place(),
-            k + 1,
-            shown(cell)
-        )
+        let (place, column) = (lines.place(), k + 1);
+        format!("{place}: column {column}: '{}' is no finite bound of the box", shown(cell))
     })
 }
 
 pub fn in_order(ranges: &[[f64; 2]], boundaries: Boundaries) -> anyhow::Result<()> {
-    if boundaries.open || boundaries.edges.is_some() {
-        return Ok(());
-    }
-    for ([low, high], axis) in ranges.iter().zip(["x", "y", "z"]) {
+    for ([low, high], axis) in ranges.iter().zip(AXES) {
         ensure!(
-            low <= high,
-            "along {axis} the box goes from {low} to {high}; the lower bound stands first: mend \
-             the file, or give --box or --open"
+            low <= high || boundaries.replace_box(),
+            "along {axis} the box goes from {low} to {high}; mend the file, or give --box or --open"
         );
     }
     Ok(())
@@ -104,12 +85,8 @@ impl Declared {
         let [x, y, z] = ranges;
         let x = [minus(x[0], least, &mut rounded), minus(x[1], most, &mut rounded)];
         let y = [minus(y[0], yz.min(0.0), &mut rounded), minus(y[1], yz.max(0.0), &mut rounded)];
-        ensure!(
-            in_order(&[x, y, z], boundaries).is_ok(),
-            "the tilt {xy} {xz} {yz} is larger than the bounds, which are those of the box around \
-             the tilted one: along {} nothing is left; mend the file, or give --box or --open",
-            if x[0] > x[1] { "x" } else { "y" }
-        );
+        in_order(&[x, y], boundaries)
+            .with_context(|| format!("within its bounds, the tilt {xy} {xz} {yz} is too large"))?;
         let inner = Declared::between(&[x, y, z], periodic);
         let rounded = rounded || inner.rounded;
         Ok(Declared { rounded, ..inner.tilted(tilt) })
@@ -140,18 +117,12 @@ impl FromStr for Edges {
     fn from_str(text: &str) -> Result<Edges, String> {
         let form = "write LX,LY or LX,LY,LZ, with a tilt LX,LY,LZ,XY,XZ,YZ, or the vectors row by \
                     row, four numbers for discs and nine for spheres";
-        let mut numbers = Vec::new();
-        for word in text.split([',', ' ']).filter(|word| !word.is_empty()) {
-            match number(word.as_bytes()).filter(|x| x.is_finite()) {
-                Some(value) => numbers.push(value),
-                None => return Err(format!("'{word}' is not a finite number; {form}")),
-            }
-        }
+        let words = text.split([',', ' ']).filter(|word| !word.is_empty());
+        let finite = |word: &str| number(word.as_bytes()).filter(|x| x.is_finite());
+        let numbers: Option<Vec<f64>> = words.map(finite).collect();
+        let numbers = numbers.ok_or(format!("'{text}' are not finite numbers; {form}"))?;
         let count = numbers.len();
-        let vectors = vectors(&numbers).ok_or_else(|| match count {
-            1 => format!("1 number is not a box; {form}"),
-            _ => format!("{count} numbers are not a box; {form}"),
-        })?;
+        let vectors = vectors(&numbers).ok_or(format!("{count} numbers are no box; {form}"))?;
         let space = !matches!(count, 2 | 4);
         // Lengths of edges must not be negative; components of vectors may be.
         let edges = if matches!(count, 4 | 9) { 0 } else { count.min(3) };
@@ -167,7 +138,7 @@ impl std::fmt::Display for Axes {
         let axes = match self {
             Axes::All => return f.write_str("true"),
             Axes::These([false, false, false]) => return f.write_str("none"),
-            Axes::These(axes) => ["x", "y", "z"].into_iter().zip(*axes),
+            Axes::These(axes) => AXES.into_iter().zip(*axes),
         };
         axes.filter(|(_, yes)| *yes).try_for_each(|(axis, _)| f.write_str(axis))
     }
@@ -200,7 +171,7 @@ impl FromStr for Axes {
             "none" | "false" => return Ok(Axes::NONE),
             _ => {}
         }
-        let counts = ["x", "y", "z"].map(|axis| text.matches(axis).count());
+        let counts = AXES.map(|axis| text.matches(axis).count());
         let once = counts.iter().all(|count| *count <= 1);
         if !once || text.is_empty() || counts.iter().sum::<usize>() < text.len() {
             return Err("it must be the axes along which the box repeats, as in x, xy or xyz; \
@@ -216,15 +187,15 @@ pub fn along(axes: [bool; 3]) -> String {
     names[(0..3).map(|k| usize::from(axes[k]) << k).sum::<usize>()].into()
 }
 
+/// Refuses images across axes along which the box does not repeat.
 pub fn hold(axes: [bool; 3], images: Option<&[[i32; 3]]>) -> anyhow::Result<()> {
     let open = |image: &[i32; 3]| (0..3).any(|k| image[k] != 0 && !axes[k]);
     let images = images.unwrap_or_default();
     if let Some(k) = images.iter().position(open) {
+        let (image, axes) = (images[k].map(|s| s.to_string()).join(","), along(axes));
         bail!(
-            "pair {k} of the list (from 0) names the image {}, and the box repeats along {}; give \
-             --periodic with all axes along which it repeats",
-            images[k].map(|s| s.to_string()).join(","),
-            along(axes)
+            "pair {k} of the list (from 0) names the image {image}, and the box repeats along \
+             {axes}; give --periodic with all axes along which it repeats"
         );
     }
     Ok(())
@@ -268,16 +239,20 @@ impl Boundaries {
     }
 
     pub fn check(&self) -> anyhow::Result<()> {
-        let given = [(self.edges.is_some(), "--box"), (self.periodic.is_some(), "--periodic")];
-        if let Some((_, name)) = given.iter().find(|(given, _)| self.open && *given) {
-            bail!("--open cannot be used with {name}; leave one out");
+        let (boxed, periodic) = (self.edges.is_some(), self.periodic.is_some());
+        for (both, a, b) in [
+            (self.open && boxed, "--open", "--box"),
+            (self.open && periodic, "--open", "--periodic"),
+            (boxed && self.periodic == Some(Axes::NONE), "--periodic none", "--box"),
+        ] {
+            ensure!(!both, "{a} cannot be used with {b}; leave one out");
         }
-        let none = self.periodic == Some(Axes::NONE);
-        ensure!(
-            !(none && self.edges.is_some()),
-            "--periodic none cannot be used with --box; leave one out"
-        );
         Ok(())
+    }
+
+    /// Whether the box in the file does not matter.
+    pub fn replace_box(&self) -> bool {
+        self.open || self.edges.is_some()
     }
 
     /// Returns the box of the particles, or `None` if it is not periodic; adds notices about
@@ -290,67 +265,49 @@ impl Boundaries {
         notices: &mut Vec<Notice>,
     ) -> anyhow::Result<Option<Lattice>> {
         self.check()?;
-        let of_discs = |axes: [bool; 3]| [axes[0], axes[1], axes[2] && dim == 3];
-        let flags = declared.and_then(|declared| declared.periodic).map(of_discs);
-        let repeats = flags.filter(|flags| flags.contains(&true));
-        let vectors = declared.and_then(|declared| declared.vectors);
-        let periodic = match (self.periodic, self.edges, flags) {
-            _ if self.open => [false; 3],
-            (Some(axes), ..) => {
-                let axes = axes.of(dim);
-                ensure!(
-                    axes == of_discs(axes),
-                    "{name} holds discs, whose box repeats along x and y at most; leave z out of \
-                     --periodic"
-                );
-                axes
-            }
-            (None, Some(_), Some(flags)) => {
-                ensure!(
-                    repeats.is_some(),
-                    "{name} declares its box open along all axes; give the periodic axes of --box, \
-                     as in --periodic xyz"
-                );
-                flags
-            }
-            (None, Some(edges), None) => of_discs([true, true, edges.space]),
-            (None, None, Some(flags)) => flags,
-            (None, None, None) => [false; 3],
-        };
+        let periodic = self.axes(dim, declared).with_context(|| name.to_string())?;
         if !periodic.contains(&true) {
             return Ok(None);
         }
-        let Some(vectors) = self.edges.map(|edges| edges.vectors).or(vectors) else {
-            let what = match self.periodic {
-                Some(_) => format!("--periodic needs a box, and {name} declares none"),
-                None => {
-                    format!("{name} is periodic along {}, but has no vectors of the box", {
-                        along(periodic)
-                    })
-                }
-            };
-            bail!("{what}; give --box LX,LY,LZ, or --open");
-        };
+        let vectors = declared.and_then(|declared| declared.vectors);
+        let vectors = self.edges.map(|edges| edges.vectors).or(vectors).with_context(|| {
+            let axes = along(periodic);
+            format!("{name} repeats along {axes}, and has no box; give --box LX,LY,LZ, or --open")
+        })?;
         if let Some(k) = (0..3).find(|&k| periodic[k] && vectors[k] == [0.0; 3]) {
-            bail!(
-                "{name}: the box has no length along {}, and cannot repeat there: mend it, or make \
-                 that axis open (--box, --periodic, --open)",
-                ["x", "y", "z"][k]
-            );
+            let axis = AXES[k];
+            bail!("{name}: the box repeats along {axis}, and has no length there {OPTIONS}");
         }
-        let origin = declared.map_or([0.0; 3], |declared| declared.origin);
-        let lattice = Lattice::new(vectors, periodic, origin)
-            .and_then(|lattice| if dim == 2 { lattice.flat() } else { Ok(lattice) });
         if self.edges.is_none() && declared.is_some_and(|declared| declared.rounded) {
-            notices.push(Notice::Assumed(
+            notices.push(assumed!(
                 "the vectors of the box are differences of its bounds, and rounded; --box gives \
                  them to the last digit"
-                    .into(),
             ));
         }
-        match lattice {
-            Ok(lattice) => Ok(Some(lattice)),
-            Err(error) => bail!("{name}: {error} (--box, --periodic, --open)"),
-        }
+        let origin = declared.map_or([0.0; 3], |declared| declared.origin);
+        Lattice::new(vectors, periodic, origin)
+            .and_then(|lattice| if dim == 2 { lattice.flat() } else { Ok(lattice) })
+            .map(Some)
+            .map_err(|error| anyhow::anyhow!("{name}: {error} {OPTIONS}"))
+    }
+
+    /// Returns the periodic axes, by the options or else by the file.
+    fn axes(&self, dim: usize, declared: Option<&Declared>) -> anyhow::Result<[bool; 3]> {
+        let of_discs = |axes: [bool; 3]| [axes[0], axes[1], axes[2] && dim == 3];
+        let flags = declared.and_then(|declared| declared.periodic).map(of_discs);
+        let axes = match (self.periodic, self.edges) {
+            _ if self.open => [false; 3],
+            (Some(axes), _) => axes.of(dim),
+            (None, Some(edges)) => flags.unwrap_or(of_discs([true, true, edges.space])),
+            (None, None) => flags.unwrap_or_default(),
+        };
+        ensure!(axes == of_discs(axes), "discs repeat along x and y; leave z out of --periodic");
+        ensure!(
+            self.open || self.edges.is_none() || axes.contains(&true),
+            "the file declares its box open; give the periodic axes of --box, as in --periodic xyz"
+        );
+        Ok(axes)
     }
 }
+
+const OPTIONS: &str = "(mend it, or give --box, --periodic or --open)";

@@ -7,8 +7,8 @@ use std::path::Path;
 use anyhow::{Context, bail, ensure};
 
 use crate as io;
-use crate::formats::gzip::Unpacking;
 use crate::formats::npy;
+use crate::raw::gzip::Unpacking;
 use crate::raw::lines::Source;
 use crate::raw::room::room;
 use crate::raw::scalars::Kind;

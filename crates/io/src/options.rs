@@ -5,7 +5,13 @@ use std::str::FromStr;
 
 use anyhow::ensure;
 
-use crate::{Boundaries, Chosen, Format, Frame, Without};
+use crate::boxes::Boundaries;
+use crate::columns::chosen::Chosen;
+use crate::columns::without::Without;
+use crate::frames::{Once, Reader};
+use crate::particles::Loaded;
+use crate::raw::lines::Source;
+use crate::types::Frame;
 use contactbench_terms::number;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,77 +36,68 @@ pub struct Options {
     pub part: Option<[u64; 2]>,
 }
 
+/// A file format; see [`FORMATS`](crate::FORMATS).
+pub struct Format {
+    pub key: &'static str,
+    /// Contents of a file in this format, for the help.
+    pub help: &'static str,
+    pub name: &'static str,
+    pub endings: &'static [&'static str],
+    /// The start of every such file, for messages; empty if files may start with anything.
+    pub begins: &'static str,
+    pub(crate) tells: fn(&[u8]) -> bool,
+    pub(crate) read: Read,
+}
+
+pub(crate) enum Read {
+    Whole(fn(Source<'_>, Options) -> anyhow::Result<Loaded>),
+    Frames(fn(Source<'_>, Options) -> Opened<'_>),
+}
+
+pub(crate) type Opened<'a> = Box<dyn Reader<Loaded> + 'a>;
+
+impl Format {
+    pub(crate) fn open<'a>(&self, source: Source<'a>, options: Options) -> Opened<'a> {
+        match self.read {
+            Read::Whole(read) => Box::new(Once::new(move || read(source, options))),
+            Read::Frames(open) => open(source, options),
+        }
+    }
+}
+
+impl PartialEq for Format {
+    fn eq(&self, other: &Format) -> bool {
+        self.key == other.key
+    }
+}
+
+impl std::fmt::Debug for Format {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.key)
+    }
+}
+
 pub struct FileOption {
     /// Name on the command line and in scenes; only `dim` is called `file-dim` in scenes.
     pub name: &'static str,
     /// Placeholder of the value in the help; empty for a flag.
     pub value: &'static str,
     pub meaning: &'static str,
-    set: fn(&mut Options, &str) -> Result<(), String>,
+}
+
+const fn option(name: &'static str, value: &'static str, meaning: &'static str) -> FileOption {
+    FileOption { name, value, meaning }
 }
 
 pub const OPTIONS: [FileOption; 8] = [
-    FileOption {
-        name: "radius",
-        value: "RADIUS",
-        meaning: "Radius of all particles, if the file has none",
-        set: |options, text| {
-            options.radius = Some(real(text)?);
-            Ok(())
-        },
-    },
-    FileOption {
-        name: "dim",
-        value: "DIM",
-        meaning: "2 or 3 dimensions, if the file leaves it open",
-        set: |options, text| {
-            let dim = number::whole(text).and_then(|dim| u32::try_from(dim).ok());
-            options.dim = Some(dim.ok_or("it must be a whole number: 2 or 3")?);
-            Ok(())
-        },
-    },
-    FileOption {
-        name: "frame",
-        value: "FRAME",
-        meaning: "From 0, last, or (some verbs) all [default: last]",
-        set: |options, text| {
-            options.frame = text.parse()?;
-            Ok(())
-        },
-    },
-    FileOption {
-        name: "columns",
-        value: "COLUMNS",
-        meaning: "x y z r d id frame by name or number: x=3,y=4",
-        set: |options, text| parsed(text, &mut options.columns),
-    },
-    FileOption {
-        name: "format",
-        value: "FORMAT",
-        meaning: "File format [default: by content and name]",
-        set: |options, text| parsed(text, &mut options.format),
-    },
-    FileOption {
-        name: "box",
-        value: "NUMBERS",
-        meaning: "Box: LX,LY[,LZ[,XY,XZ,YZ]], or its 2 or 3 vectors",
-        set: |options, text| parsed(text, &mut options.boundaries.edges),
-    },
-    FileOption {
-        name: "periodic",
-        value: "AXES",
-        meaning: "Axes along which the box repeats, as in xy, or none",
-        set: |options, text| parsed(text, &mut options.boundaries.periodic),
-    },
-    FileOption {
-        name: "open",
-        value: "",
-        meaning: "Open boundaries: no contacts across the box",
-        set: |options, text| {
-            options.boundaries.open = text.parse().map_err(|_| "it must be true or false")?;
-            Ok(())
-        },
-    },
+    option("radius", "RADIUS", "Radius of all particles, if the file has none"),
+    option("dim", "DIM", "2 or 3 dimensions, if the file leaves it open"),
+    option("frame", "FRAME", "From 0, last, or (some verbs) all [default: last]"),
+    option("columns", "COLUMNS", "x y z r d id frame by name or number: x=3,y=4"),
+    option("format", "FORMAT", "File format [default: by content and name]"),
+    option("box", "NUMBERS", "Box: LX,LY[,LZ[,XY,XZ,YZ]], or its 2 or 3 vectors"),
+    option("periodic", "AXES", "Axes along which the box repeats, as in xy, or none"),
+    option("open", "", "Open boundaries: no contacts across the box"),
 ];
 
 /// Parses a number with a decimal point; a decimal comma is refused.
@@ -108,14 +105,26 @@ fn real(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "it must be a number with a decimal point, such as 0.5".into())
 }
 
-fn parsed<T: FromStr<Err: Display>>(text: &str, value: &mut Option<T>) -> Result<(), String> {
-    *value = Some(text.parse().map_err(|error: T::Err| error.to_string())?);
-    Ok(())
+fn parsed<T: FromStr<Err: Display>>(text: &str) -> Result<Option<T>, String> {
+    text.parse().map(Some).map_err(|error: T::Err| error.to_string())
 }
 
 impl FileOption {
     pub fn set(&self, options: &mut Options, text: &str) -> Result<(), String> {
-        (self.set)(options, text)
+        let dim = || number::whole(text).and_then(|dim| u32::try_from(dim).ok());
+        match self.name {
+            "radius" => options.radius = Some(real(text)?),
+            "dim" => options.dim = Some(dim().ok_or("it must be a whole number: 2 or 3")?),
+            "frame" => options.frame = text.parse()?,
+            "columns" => options.columns = parsed(text)?,
+            "format" => options.format = parsed(text)?,
+            "box" => options.boundaries.edges = parsed(text)?,
+            "periodic" => options.boundaries.periodic = parsed(text)?,
+            _ => {
+                options.boundaries.open = text.parse().map_err(|_| "it must be true or false")?;
+            }
+        }
+        Ok(())
     }
 
     pub fn check(&self, text: &str) -> Result<String, String> {
@@ -137,18 +146,24 @@ impl Options {
         part: None,
     };
 
+    /// Whether the columns of the coordinates are chosen.
+    pub(crate) fn axes_chosen(&self) -> bool {
+        self.columns.is_some_and(|chosen| chosen.axes())
+    }
+
+    pub(crate) fn sizes_chosen(&self) -> bool {
+        self.columns.is_some_and(|chosen| chosen.sizes())
+    }
+
     pub(super) fn check(&self) -> anyhow::Result<()> {
-        if let Some(radius) = self.radius {
-            ensure!(
-                radius.is_finite() && radius >= 0.0,
-                "the radius given is {radius}; it must be finite and not negative"
-            );
-        }
-        if let Some(dim) = self.dim {
-            ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
-        }
+        let (radius, dim) = (self.radius.unwrap_or(0.0), self.dim.unwrap_or(2));
         ensure!(
-            self.radius.is_none() || !self.columns.is_some_and(|chosen| chosen.sizes()),
+            radius.is_finite() && radius >= 0.0,
+            "the radius given is {radius}; it must be finite and not negative"
+        );
+        ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
+        ensure!(
+            self.radius.is_none() || !self.sizes_chosen(),
             "the radius is given, and a column of sizes is chosen, too; leave one out"
         );
         self.boundaries.check()

@@ -12,7 +12,6 @@ use crate::share::{Dealt, Share};
 use crate::world::{World, threads};
 use crate::{Row, Setting, Whole, measure, whole};
 use anyhow::{Context, bail, ensure};
-use contactbench::cli::shared::input::doubt_given;
 #[cfg(feature = "mpi")]
 use contactbench::cli::shared::input::tell;
 use contactbench::cli::shared::limit::Limit;
@@ -29,7 +28,6 @@ use contactbench::present::table::Table;
 use contactbench::scene::origin::Origin;
 use contactbench::stats::interval::{COVERAGE, Interval};
 use contactbench_detectors::table;
-use contactbench_ground::contact::Arithmetic;
 
 #[derive(clap::Args)]
 pub struct Ranks {
@@ -98,7 +96,6 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
     }
     let origin = input.origin(name)?;
     let given = (!options.each).then(|| input.given(name)).transpose()?;
-    given.iter().for_each(|given| doubt_given(name, given, Arithmetic::Exact));
     let mut rows = Vec::new();
     for &ranks in &options.ranks {
         let of = |world: &_| -> anyhow::Result<Row> {
@@ -174,7 +171,6 @@ fn by_mpi<'a>(
     }
     if !options.unchecked {
         let all = if options.each { origin.row(size) } else { origin.whole() }?;
-        doubt_given(name, &all, Arithmetic::Exact);
         row.whole = Some(whole(&all, setting(all.scene.len())).context("one process")?);
     }
     say(options, &[row])

@@ -86,18 +86,6 @@ fn ranks_agree_with_one_process_and_report_the_data_sent() {
 
 /// Notices about a file are printed once, as by every verb; generated scenes have none.
 #[test]
-fn doubts_are_printed() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    std::fs::write(folder.join("a.csv"), "x,y,z,r\n0,0,0,1\n0.001,0,0,1\n0,0,1.5,1\n").unwrap();
-    for (name, count) in [("a.csv", 1), ("packed:dim=3,n=100", 0)] {
-        let said = good(folder, &[name, "--ranks", "1,2", "--steps", "1"]).stderr;
-        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert_eq!(said.matches("nearly concentric").count(), count, "{name}: {said}");
-    }
-}
-
-#[test]
 fn the_model_goes_to_a_thousand_ranks_and_bad_requests_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -84,18 +84,16 @@ fn all(
         };
         let periodic = given.periodic().with_context(place)?;
         let found = search.find(&given, periodic.as_ref()).with_context(place)?;
-        let (scene, source) = (&given.scene, given.source.as_ref());
-        told.of_contacts(&which, scene, source, options.arithmetic, Some(&found.touching));
+        told.tell(&which, found.doubt(&given).as_slice());
         let style = style(options, &given, periodic.as_ref(), ids, by_id);
         out.frame(about.frame, &style, found.pairs.iter()).with_context(place)?;
         done.frames += 1;
         done.pairs += found.pairs.iter().len();
         done.time += found.time;
-        done.dim = scene.dim();
+        done.dim = given.scene.dim();
         let [least, most] = done.particles;
         done.particles = [least.min(n), most.max(n)];
     }
-    told.end(&name);
     ensure!(done.frames > 0, "{name} holds no frame of particles; check its --format");
     Ok(done)
 }

@@ -9,7 +9,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use self::search::{Found, Pairs, Search};
 use crate::cli::shared::arithmetic::arithmetic;
-use crate::cli::shared::input::doubt;
+use crate::cli::shared::input::tell;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::values;
@@ -17,9 +17,9 @@ use contactbench_detectors::table;
 use contactbench_detectors::table::TABLE;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_io as io;
-use contactbench_io::Frame;
 use contactbench_io::boxes::along;
 use contactbench_io::write::Extra;
+use contactbench_io::{Frame, Place};
 use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]
@@ -141,8 +141,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let mut search = Search::new(options, &spec, options.limit.bytes(n));
     let periodic = given.periodic()?;
     let found = search.find(&given, periodic.as_ref()).with_context(|| name.clone())?;
-    let source = given.source.as_ref();
-    doubt(&name, &given.scene, source, options.arithmetic, Some(&found.touching));
+    tell(&name, found.doubt(&given).as_slice(), Place::Argument);
     let style = search::style(options, &given, periodic.as_ref(), ids.as_deref(), options.ids);
     io::write::contacts(options.out.as_deref(), found.pairs.iter(), &style)?;
     let Found { time, memory, pairs, images, .. } = &found;

@@ -14,11 +14,11 @@ use contactbench_ground::limits::crowd;
 use contactbench_ground::pairs::normalise::normalise_by;
 use contactbench_ground::pairs::pair_list::PAIR_BYTES;
 use contactbench_ground::periodic::{ContactList, IMAGE_PAIR_BYTES, ImagePair, Periodic};
-use contactbench_io::Given;
 use contactbench_io::write::Style;
+use contactbench_io::{Given, Notice};
 use contactbench_lists::periodic::Finder;
 use contactbench_run::run::runner::alloc;
-use contactbench_scenes::doubts::Touching;
+use contactbench_scenes::doubts::crowded;
 
 /// A detector that keeps its buffers from scene to scene.
 pub(super) struct Search {
@@ -37,7 +37,6 @@ pub(super) enum Pairs {
 
 pub(super) struct Found {
     pub pairs: Pairs,
-    pub touching: Touching,
     /// Number of periodic images that the search made.
     pub images: usize,
     pub time: Duration,
@@ -65,6 +64,14 @@ pub(super) fn style<'a>(
 ) -> Style<'a> {
     let scene = periodic.map_or(&given.scene, Periodic::scene);
     Style { scene, periodic, ids, by_id, extras: &options.extras }
+}
+
+impl Found {
+    /// Returns the doubt about the sizes of a file, if there are far too many contacts.
+    pub fn doubt(&self, given: &Given) -> Option<Notice> {
+        let each = 2.0 * self.pairs.iter().len() as f64 / given.scene.len().max(1) as f64;
+        crowded(given.scene.dim(), each, given.source.as_ref()?)
+    }
 }
 
 impl Search {
@@ -101,19 +108,17 @@ impl Search {
         let lists = contacts.plain.capacity() as u64 * PAIR_BYTES
             + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
         let memory = usage.map(|usage| usage.live_bytes.saturating_sub(lists));
-        let (pairs, touching, images) = match periodic {
+        let (pairs, images) = match periodic {
             None => {
                 let mut pairs = contacts.plain;
                 normalise_by(threads, &mut pairs);
-                let touching = Touching::open(&given.scene, &pairs);
-                (Pairs::Open(pairs), touching, 0)
+                (Pairs::Open(pairs), 0)
             }
-            Some(periodic) => {
+            Some(_) => {
                 let pairs = contacts.sorted(scene.len(), memory_limit)?;
-                let touching = Touching::boxed(periodic, &pairs);
-                (Pairs::Boxed(pairs), touching, finder.images() as usize)
+                (Pairs::Boxed(pairs), finder.images() as usize)
             }
         };
-        Ok(Found { pairs, touching, images, time, memory })
+        Ok(Found { pairs, images, time, memory })
     }
 }

@@ -16,8 +16,8 @@ use contactbench_ground::periodic;
 use contactbench_ground::periodic::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
 use contactbench_ground::scene::{Real, array};
 use contactbench_ground::with_scene;
-use contactbench_io::{Notice, Place, RadiusSource};
-use contactbench_scenes::doubts::{Touching, doubts, f32_spacing};
+use contactbench_io::{Place, RadiusSource};
+use contactbench_scenes::doubts::crowded;
 use contactbench_terms::number::{number, plural};
 
 /// Pairs are near tangent if their distance differs from the sum of their radii by less than this
@@ -89,10 +89,10 @@ pub(super) fn report(
         return;
     }
     let mean = radii(periodic, out);
-    let touching = match contacts {
+    let each = match contacts {
         Contacts::Refused(reason) => {
             out.warn(format!("contacts were not searched: {reason}"));
-            None
+            return;
         }
         Contacts::Counted(count) => {
             let each = 2.0 * *count as f64 / n as f64;
@@ -105,25 +105,22 @@ pub(super) fn report(
                 limit_for(n) >> 20,
                 plural(n, "particle")
             ));
-            Some(Touching::estimated(each))
+            each
         }
         Contacts::TooMany(each) => {
             let text = format!("about {each:.0} per particle, too many for a search");
             out.line("contacts", text, json!({ "coordination": each }));
-            Some(Touching::estimated(*each))
+            *each
         }
         Contacts::Found { pairs, near, overlap } => {
             found(periodic, pairs, *near, *overlap, out);
-            Some(Touching::boxed(periodic, pairs))
+            2.0 * pairs.len() as f64 / n as f64
         }
     };
-    let doubts = doubts(scene, source, Arithmetic::F32, touching.as_ref());
-    // `of_centres` has already warned of coincident centres.
-    let doubts = doubts.iter().filter(|notice| !matches!(notice, Notice::Coincident(..)));
-    doubts.for_each(|notice| out.warn(notice.words(Place::Argument)));
-    if !matches!(contacts, Contacts::Refused(_)) {
-        offset(periodic, mean, contacts, out);
+    if let Some(doubt) = crowded(scene.dim(), each, source) {
+        out.warn(doubt.words(Place::Argument));
     }
+    offset(periodic, mean, contacts, out);
 }
 
 /// Prints the range and the mean of the radii; returns the mean.
@@ -201,7 +198,8 @@ fn offset(periodic: &Periodic<'_>, mean: f64, contacts: &Contacts, out: &mut Out
     if !diameters.is_finite() {
         return;
     }
-    let spacing = f32_spacing(scene);
+    // The spacing of f32 numbers at the largest coordinate, in mean radii.
+    let spacing = largest * 2f64.powi(-23) / mean;
     let mut text = format!(
         "at most {} mean diameters from the origin, where f32 numbers are {spacing:.1e} radii \
          apart",

@@ -7,8 +7,7 @@ use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::output::Output;
 use contactbench_ground::limits::memory::limit_for;
 use contactbench_io as io;
-use contactbench_io::{About, Frame, Notice, Particles, Place, RadiusSource};
-use contactbench_scenes::doubts::is_scaled;
+use contactbench_io::{About, Frame, Particles, Place, RadiusSource};
 use contactbench_scenes::stats::stats;
 use contactbench_scenes::touching::in_any_box;
 use contactbench_terms::number::number;
@@ -20,7 +19,7 @@ use contacts::Contacts;
 
 #[derive(clap::Args)]
 pub struct Inspect {
-    /// Particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK, PLY or GSD
+    /// Particles: CSV, XYZ, LAMMPS, YADE, NumPy, VTK or GSD
     file: PathBuf,
     #[command(flatten)]
     input: Input,
@@ -45,11 +44,7 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     of_file(options, &particles, &about, &mut out);
     boxes::report(&particles, &about, &options.input, &mut out);
     of_centres(&particles, &mut out);
-    if about.radius == RadiusSource::Missing {
-        if is_scaled(particles.len(), particles.dim(), |k| particles.centre(k)) {
-            out.warn(Notice::Scaled.words(Place::Argument));
-        }
-    } else {
+    if about.radius != RadiusSource::Missing {
         of_scene(options, particles, &about, &mut out)?;
     }
     if all {
@@ -114,14 +109,9 @@ fn of_centres(particles: &Particles, out: &mut Output) {
     let key = |k: u32| particles.centre(k as usize).map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..n as u32).collect();
     order.sort_unstable_by_key(|&k| key(k));
-    let mut duplicates = order.windows(2).filter(|pair| key(pair[0]) == key(pair[1]));
-    let first = duplicates.next().map(|pair| pair[0]);
-    let count = duplicates.count() + usize::from(first.is_some());
+    let count = order.windows(2).filter(|pair| key(pair[0]) == key(pair[1])).count();
     let text = format!("{count} centres at the place of another");
     out.line("coincident", text, json!({ "coincident_centres": count }));
-    if let Some(first) = first {
-        out.warn(Notice::Coincident(count as u64, first).words(Place::Argument));
-    }
 }
 
 fn of_scene(

@@ -9,12 +9,10 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
 use crate::cli::shared::scene::WithIds;
-use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::scene::AnyScene;
 use contactbench_io as io;
 use contactbench_io::Given;
-use contactbench_io::{Boundaries, FileOption, Frame, Notice, Place, RadiusSource};
-use contactbench_scenes::doubts::{Touching, doubts};
+use contactbench_io::{Boundaries, FileOption, Frame, Notice, Place};
 use contactbench_scenes::origin::Origin;
 use contactbench_scenes::spec::{GENERATORS, Spec};
 use contactbench_terms::nearest::{hint, nearest};
@@ -105,7 +103,6 @@ impl Input {
             let source = particles.source.clone();
             Ok(Given { source, ..particles.scene(text, self.radius)?.into() })
         })?;
-        doubt_given(text, &given, Arithmetic::Exact);
         given.open(text)
     }
 
@@ -226,80 +223,17 @@ pub fn tell(name: &str, notices: &[Notice], place: Place) {
     }
 }
 
-/// Prints doubts about the particles of a file and their contacts; nothing for generated scenes.
-pub fn doubt(
-    name: &str,
-    scene: &AnyScene<'_>,
-    source: Option<&RadiusSource>,
-    arithmetic: Arithmetic,
-    touching: Option<&Touching>,
-) {
-    if let Some(source) = source {
-        tell(name, &doubts(scene, source, arithmetic, touching), Place::Argument);
-    }
-}
-
-/// Like [`doubt`], for verbs that do not list contacts.
-pub fn doubt_given(name: &str, given: &Given, arithmetic: Arithmetic) {
-    if given.source.is_some() {
-        let touching = Touching::search(given);
-        doubt(name, &given.scene, given.source.as_ref(), arithmetic, touching.as_ref());
-    }
-}
-
-/// Notices about the frames of a file: each is printed once, and "nothing touches" only if that
-/// holds for all frames.
+/// Notices about the frames of a file; each is printed once.
 #[derive(Default)]
-pub struct Told {
-    notices: Vec<Notice>,
-    /// Notices of the last frame, printed at the end if no particles touch in any frame.
-    waiting: Vec<Notice>,
-    touched: bool,
-}
+pub struct Told(Vec<Notice>);
 
 impl Told {
-    /// Prints what looks wrong in a frame.
-    pub fn of_contacts(
-        &mut self,
-        place: &str,
-        scene: &AnyScene<'_>,
-        source: Option<&RadiusSource>,
-        arithmetic: Arithmetic,
-        touching: Option<&Touching>,
-    ) {
-        let Some(source) = source else { return };
-        let found = doubts(scene, source, arithmetic, touching);
-        let apart = found.contains(&Notice::Apart);
-        let waits = |notice: &Notice| apart && matches!(notice, Notice::Apart | Notice::Scaled);
-        let (waiting, now): (Vec<_>, Vec<_>) = found.into_iter().partition(waits);
-        self.touched |= !apart;
-        self.waiting = waiting;
-        self.tell(place, &now);
-    }
-
-    /// Like [`Told::of_contacts`], for verbs that do not list contacts. Frames after the first
-    /// contact are not searched.
-    pub fn of_given(&mut self, place: &str, given: &Given, arithmetic: Arithmetic) {
-        if !self.touched && given.source.is_some() {
-            let touching = Touching::search(given);
-            let source = given.source.as_ref();
-            self.of_contacts(place, &given.scene, source, arithmetic, touching.as_ref());
-        }
-    }
-
-    /// Prints the waiting notices after the last frame.
-    pub fn end(self, name: &str) {
-        if !self.touched {
-            tell(name, &self.waiting, Place::Argument);
-        }
-    }
-
-    /// Prints notices, for example of what a reader assumed, unless they were printed before.
+    /// Prints notices unless they were printed before.
     pub fn tell(&mut self, name: &str, notices: &[Notice]) {
         for notice in notices {
-            if !self.notices.iter().any(|told| told.is_like(notice)) {
+            if !self.0.iter().any(|told| told.is_like(notice)) {
                 tell(name, std::slice::from_ref(notice), Place::Argument);
-                self.notices.push(notice.clone());
+                self.0.push(notice.clone());
             }
         }
     }

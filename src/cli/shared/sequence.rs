@@ -4,9 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, ensure};
 
-use crate::cli::shared::input::{self, Told};
+use crate::cli::shared::input;
 use crate::cli::shared::scene::Source;
-use contactbench_ground::contact::Arithmetic;
 use contactbench_io as io;
 use contactbench_io::Given;
 use contactbench_io::{Frame, Place};
@@ -32,7 +31,6 @@ pub struct Wanted {
     pub motion: Option<Motion>,
     /// Maximum number of frames, from the command line.
     pub frames: Option<u64>,
-    pub arithmetic: Arithmetic,
 }
 
 const DRIFT: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
@@ -53,7 +51,6 @@ pub fn sequence<T>(
         return input::frames(path, options, |frames| of_file(source, path, wanted, frames, body));
     }
     let (name, given) = source.given()?;
-    input::doubt_given(&name, &given, wanted.arithmetic);
     moved(&name, &given, motion.unwrap_or(DRIFT), frames, body)
 }
 
@@ -89,14 +86,12 @@ fn of_file<T>(
     let Some(second) = frames.next() else {
         input::tell(&text, &first.0.notices, Place::Argument);
         let given = first.0.given(&text, radius)?;
-        input::doubt_given(&text, &given, wanted.arithmetic);
         return moved(&name, &given, DRIFT, wanted.frames, body);
     };
     input::tell(&text, &first.0.notices, Place::Argument);
     let particles = first.0.len();
     let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
-    let mut told = Told::default();
     let made = body(Sequence {
         name: &name,
         motion: "as recorded",
@@ -104,10 +99,8 @@ fn of_file<T>(
         count: wanted.frames.unwrap_or(u64::MAX),
         next: &mut |_| {
             let given = recorded.next_frame()?;
-            given.iter().for_each(|given| told.of_given(&text, given, wanted.arithmetic));
             Ok(given)
         },
     })?;
-    told.end(&text);
     Ok(made)
 }

@@ -23,7 +23,7 @@ use contactbench_run::verify::paired::{Matched, Paired};
 pub struct Verify {
     /// Particle file
     file: PathBuf,
-    /// Contact list: i,j as text, .npy, .fstat or dump
+    /// Contact list: i,j as text, .npy or dump
     #[arg(long, value_name = "FILE")]
     pairs: PathBuf,
     #[command(flatten)]
@@ -101,14 +101,10 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         told.tell(&place, &particles.notices);
         of_lists.tell(&list_file, &list.notices);
         of_lists.tell(&list_file, asked.without_ids(&list, &particles).as_slice());
-        let source = particles.source.clone();
-        let found = all.compare(&asked, particles, &about, list)?;
-        let touching = found.touching();
-        told.of_contacts(&place, found.scene(), source.as_ref(), arithmetic, Some(&touching));
+        all.compare(&asked, particles, &about, list)?;
         Ok(())
     })?;
     drop(progress);
-    told.end(&file);
     all.end();
     ensure!(!all.rows.is_empty(), "{list_file}: no frame has a list");
     print::print(options, &all)?;

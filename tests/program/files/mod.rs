@@ -1,6 +1,5 @@
 //! Tests `detect`, and the files that the program reads and writes.
 
-mod doubts;
 mod limits;
 mod output;
 mod real_data;

@@ -10,8 +10,8 @@ use std::str::FromStr;
 
 use anyhow::{bail, ensure};
 
-use crate::columns::units::split;
-use crate::particles::{Column, Columns};
+use super::units::split;
+use super::{Column, Columns};
 use crate::raw::lines::listed;
 
 /// The chosen columns for x, y, z, r, d, id and frame, each by its number from 1 or by its name.
@@ -192,8 +192,7 @@ impl Chosen {
             ensure!(
                 matches!(which, Which::Name(_))
                     && names.iter().any(|known| known.as_ref().trim() == name),
-                "{place}: {key}={name}: there is no array of that name; there are {}: {}",
-                names.len(),
+                "{place}: {key}={name}: there is no such array among {}",
                 listed(names)
             );
         }
@@ -205,8 +204,7 @@ impl Chosen {
         let is_axis = |column| matches!(column, Column::Axis(_));
         ensure!(
             !is_axis(named) || is_axis(chosen) || self.axes(),
-            "{what}: that column is the coordinate {}; choose another, or all coordinates as well, \
-             with --columns x=NAME,y=NAME",
+            "{what}: that column is the coordinate {}; choose all coordinates, x=NAME,y=NAME, too",
             named.words()
         );
         Ok(())
@@ -218,12 +216,9 @@ impl Chosen {
         let mut taken = Vec::new();
         for (key, meaning, which) in self.given() {
             let k = which.find(key, &mut columns, place)?;
-            ensure!(
-                !taken.contains(&k),
-                "{place}: {key}={}: that column is taken for something else already",
-                which.text()
-            );
-            self.keeps(columns.meaning[k], meaning, &format!("{place}: {key}={}", which.text()))?;
+            let what = format!("{place}: {key}={}", which.text());
+            ensure!(!taken.contains(&k), "{what}: that column is taken for something else already");
+            self.keeps(columns.meaning[k], meaning, &what)?;
             taken.push(k);
             columns.meaning[k] = meaning;
         }
@@ -271,8 +266,7 @@ impl Which {
         match found[..] {
             [k] => Ok(k),
             [] => bail!(
-                "{place}: {key}={name}: there is no such column; there are {}: {}",
-                columns.names.len(),
+                "{place}: {key}={name}: there is no such column among {}",
                 listed(&columns.names)
             ),
             _ => bail!("{place}: {key}={name}: several columns have that name; give a number"),

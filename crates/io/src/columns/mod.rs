@@ -1,19 +1,14 @@
-//! Columns of a text file: their meaning, and particles from their rows.
+//! The columns of a file or the arrays of an archive: their names and meaning.
 
-pub(super) mod chosen;
-pub(super) mod counted;
-mod doubts;
-mod rows;
-pub(super) mod units;
+pub mod chosen;
+pub mod units;
+pub mod without;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{bail, ensure};
 
-use crate::columns::units::shifted;
-use crate::particles::{Particles, digits, unused_sizes};
-use crate::raw::lines::{MINUS, decoded, number, short, shown, whole};
-use crate::{Notice, Options, RadiusSource};
-use contactbench_terms::number::plural;
-pub use rows::Rows;
+use crate::raw::lines::short;
+use crate::types::RadiusSource;
+use chosen::Chosen;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
@@ -48,14 +43,32 @@ impl Column {
         }
     }
 
-    pub fn size(self, value: f64) -> Result<f64, &'static str> {
+    pub fn is_size(self) -> bool {
+        matches!(self, Column::Radius | Column::Diameter)
+    }
+
+    /// Returns the coordinate or radius for a value in this column.
+    pub fn value(self, value: f64) -> Result<f64, &'static str> {
         match value {
             _ if !value.is_finite() => Err("is not a finite number"),
-            _ if value < 0.0 => Err("is negative"),
+            _ if self.is_size() && value < 0.0 => Err("is negative"),
             _ if self == Column::Diameter => Ok(0.5 * value),
             _ => Ok(value),
         }
     }
+}
+
+/// Names beside which r or d is no size: colours, bands of light, and positions in the sky.
+const BESIDE: [(&[&str], &[&str]); 3] =
+    [(&["r"], &["g"]), (&["r"], &["b", "v"]), (&["r", "d"], &["ra", "dec"])];
+
+/// Whether a column that is named like a size probably holds something else.
+pub fn is_doubtful<S: AsRef<str>>(size: &str, names: &[S]) -> bool {
+    let plain = |name: &str| units::split(name).0.to_ascii_lowercase();
+    let (size, names) = (plain(size), names.iter().map(|name| plain(name.as_ref())));
+    let names: Vec<String> = names.collect();
+    let are_there = |beside: &[&str]| beside.iter().all(|name| names.iter().any(|it| it == name));
+    BESIDE.iter().any(|(sizes, beside)| sizes.contains(&&*size) && are_there(beside))
 }
 
 #[derive(Clone, Debug, Default)]
@@ -66,282 +79,130 @@ pub struct Columns {
     pub or_more: bool,
     /// Whether the user chose the column of sizes; then its name is trusted.
     pub sizes_chosen: bool,
-    /// The power of ten that each column is multiplied by; empty if all are 0.
-    pub powers: Vec<i32>,
-    pub notices: Vec<Notice>,
 }
 
 impl Columns {
     pub fn named(names: impl IntoIterator<Item = impl Into<String>>) -> Columns {
         let names: Vec<String> = names.into_iter().map(Into::into).collect();
         let mut meaning: Vec<Column> = names.iter().map(|name| Column::named(name)).collect();
-        let is_axis = |meaning: &Column| matches!(meaning, Column::Axis(_));
         // ParaView names coordinates Points:0, Points:1, Points:2.
-        if !meaning.contains(&Column::Axis(0)) {
-            for (meaning, name) in meaning.iter_mut().zip(&names) {
-                let name = name.to_ascii_lowercase().replace('_', ":");
-                if let Some(k) =
-                    ["points:0", "points:1", "points:2"].iter().position(|p| *p == name)
-                {
-                    *meaning = Column::Axis(k);
-                }
-            }
-        }
-        if !meaning.iter().any(is_axis) {
-            for (meaning, name) in meaning.iter_mut().zip(&names) {
-                match units::suffixed(name).map(|(name, _)| Column::named(name)) {
-                    None | Some(Column::Id) => {}
-                    Some(suffixed) => *meaning = suffixed,
+        let of_points = |name: &String| match &*name.to_ascii_lowercase().replace('_', ":") {
+            "points:0" => Column::Axis(0),
+            "points:1" => Column::Axis(1),
+            "points:2" => Column::Axis(2),
+            _ => Column::Other,
+        };
+        let suffixed = |name: &String| {
+            let plain = units::suffixed(name).map(|(name, _)| Column::named(name));
+            plain.filter(|column| *column != Column::Id).unwrap_or(Column::Other)
+        };
+        let is_axis = |meaning: &Column| matches!(meaning, Column::Axis(_));
+        for other in [&of_points as &dyn Fn(&String) -> Column, &suffixed] {
+            if !meaning.iter().any(is_axis) {
+                for (meaning, name) in meaning.iter_mut().zip(&names) {
+                    *meaning =
+                        Some(other(name)).filter(|it| *it != Column::Other).unwrap_or(*meaning);
                 }
             }
         }
         Columns { meaning, names, ..Columns::default() }
     }
 
+    /// Names the columns in a text by blanks.
+    pub fn of(names: &str) -> Columns {
+        Columns::named(names.split(' '))
+    }
+
+    /// Columns that have only numbers.
+    pub fn numbered(count: usize) -> Columns {
+        Columns::named((1..=count).map(|k| format!("column {k}")))
+    }
+
+    pub fn has(&self, column: Column) -> bool {
+        self.meaning.contains(&column)
+    }
+
     pub fn has_places(&self) -> bool {
-        (0..2).all(|axis| self.meaning.contains(&Column::Axis(axis)))
+        (0..2).all(|axis| self.has(Column::Axis(axis)))
     }
 
-    pub fn rows(self, place: &str, options: Options) -> anyhow::Result<Rows> {
-        let mut columns = self.chosen(place, options)?;
-        let particles = columns.particles(place, options)?;
-        Ok(Rows { columns, particles })
+    fn all(&self) -> impl Iterator<Item = (Column, &String)> {
+        self.meaning.iter().copied().zip(&self.names)
     }
 
-    pub fn chosen(self, place: &str, options: Options) -> anyhow::Result<Columns> {
-        match options.columns {
+    pub fn chosen(self, place: &str, chosen: Option<Chosen>) -> anyhow::Result<Columns> {
+        match chosen {
             Some(chosen) => chosen.apply(self, place),
             None => Ok(self),
         }
     }
 
-    /// Resolves the meaning of all columns, and returns an empty set of particles. A radius from
-    /// the options replaces columns of sizes. Lengths in several units are converted to one unit.
-    pub fn particles(&mut self, place: &str, options: Options) -> anyhow::Result<Particles> {
-        self.leave_out_sizes(options.radius);
-        self.leave_out_doubts();
-        self.check(place)?;
-        self.one_unit().with_context(|| place.to_string())?;
-        let count = |column| self.meaning.iter().filter(|&&other| other == column).count();
-        let sizes = count(Column::Radius) + count(Column::Diameter);
-        let mut particles = Particles::new(2 + count(Column::Axis(2)), sizes == 1);
-        particles.ids = (options.ids && count(Column::Id) == 1).then(Vec::new);
-        particles.groups = options.without.map(|it| it.groups(self, place)).transpose()?;
-        let unused = self.meaning.iter().zip(&self.names);
-        let unused = unused.filter(|(meaning, _)| **meaning == Column::Other);
-        particles.unused = unused.map(|(_, name)| name.clone()).collect();
-        particles.notices.append(&mut self.notices);
-        Ok(particles)
-    }
-
-    fn leave_out_sizes(&mut self, given: Option<f64>) {
-        let Some(given) = given else { return };
+    /// Turns sizes into other columns, if `leave_out` holds for their names.
+    pub fn leave_out_sizes(&mut self, leave_out: impl Fn(&str) -> bool) {
         for (meaning, name) in self.meaning.iter_mut().zip(&self.names) {
-            if let Column::Radius | Column::Diameter = meaning {
+            if meaning.is_size() && leave_out(name) {
                 *meaning = Column::Other;
-                self.notices.push(unused_sizes(name, given));
             }
         }
     }
 
-    fn leave_out_doubts(&mut self) {
-        let doubt = |(meaning, name): (&Column, &String)| match meaning {
-            Column::Radius | Column::Diameter => Some(doubts::of_size(name, &self.names).is_some()),
-            _ => None,
-        };
-        let sizes: Vec<Option<bool>> = self.meaning.iter().zip(&self.names).map(doubt).collect();
-        if self.sizes_chosen || !sizes.contains(&Some(false)) {
-            return;
-        }
-        for (meaning, _) in self.meaning.iter_mut().zip(sizes).filter(|it| it.1 == Some(true)) {
-            *meaning = Column::Other;
+    pub fn leave_out_doubtful_sizes(&mut self) {
+        if !self.sizes_chosen {
+            let names = self.names.clone();
+            self.leave_out_sizes(|name| is_doubtful(name, &names));
         }
     }
 
-    fn check(&self, place: &str) -> anyhow::Result<()> {
+    /// Refuses columns that mean the same, missing coordinates, and lengths in several units.
+    pub fn check(&self, place: &str) -> anyhow::Result<()> {
         let named = |column: Column| {
-            let all = self.meaning.iter().zip(&self.names);
-            all.filter(move |(meaning, _)| **meaning == column).map(|(_, name)| short(name))
+            self.all().filter(move |(it, _)| *it == column).map(|(_, name)| short(name))
         };
-        for column in self.meaning.iter().filter(|it| !matches!(it, Column::Other | Column::Id)) {
-            if let [a, b, ..] = &named(*column).collect::<Vec<_>>()[..] {
+        let used = |column: Column| !matches!(column, Column::Other | Column::Id);
+        for (column, name) in self.all().filter(|(column, _)| used(*column)) {
+            let others = || {
+                named(column).skip(1).chain(match column {
+                    Column::Radius => named(Column::Diameter).next(),
+                    _ => None,
+                })
+            };
+            if let Some(other) = others().next() {
                 bail!(
-                    "{place}: the columns '{a}' and '{b}' both mean {}; remove one, or choose one \
-                     with --columns",
+                    "{place}: the columns '{}' and '{other}' both mean {}; choose one with \
+                     --columns, or remove it",
+                    short(name),
                     column.words()
                 );
             }
         }
         for (axis, name) in ["x", "y"].into_iter().enumerate() {
+            let names: Vec<String> = self.names.iter().map(|name| short(name)).take(8).collect();
             ensure!(
-                named(Column::Axis(axis)).next().is_some(),
-                "{place}: there is no column '{name}' among {}; name the columns x,y[,z][,r], \
-                 with r, radius, d or diameter, or say which they are with --columns \
-                 x=NAME,y=NAME{}",
-                self.names
-                    .iter()
-                    .map(|name| format!("'{}'", short(name)))
-                    .take(8)
-                    .collect::<Vec<_>>()
-                    .join(", "),
-                if self.names.iter().any(|name| name.contains(['|', ':'])) {
-                    SEPARATED
-                } else {
-                    ""
-                }
+                self.has(Column::Axis(axis)),
+                "{place}: there is no column '{name}' among '{}'; name the columns x,y[,z][,r] with \
+                 commas, semicolons, tabs or blanks between, or give --columns x=NAME,y=NAME",
+                names.join("', '")
             );
         }
-        if let (Some(r), Some(d)) = (named(Column::Radius).next(), named(Column::Diameter).next()) {
-            bail!(
-                "{place}: there are a radius '{r}' and a diameter '{d}'; remove one, or choose \
-                 one: --columns r={r} or --columns d={d}"
-            );
-        }
-        for (meaning, name) in self.meaning.iter().zip(&self.names) {
-            if let Column::Radius | Column::Diameter = meaning
-                && !self.sizes_chosen
-                && let Some(why) = doubts::of_size(name, &self.names)
-            {
-                bail!("{place}: {why}");
-            }
-        }
+        let mut lengths =
+            self.all().filter(|(column, name)| used(*column) && units::unit_of(name).is_some());
+        let Some((_, first)) = lengths.next() else { return Ok(()) };
+        let other = lengths.find(|(_, name)| units::unit_of(name) != units::unit_of(first));
+        let other = other.map(|(_, name)| short(name)).unwrap_or_default();
+        ensure!(
+            other.is_empty(),
+            "{place}: '{}' and '{other}' are in different units; write both in one",
+            short(first)
+        );
         Ok(())
     }
 
     pub fn radius(&self) -> RadiusSource {
-        let named = |column| {
-            self.meaning.iter().position(|&other| other == column).map(|k| self.names[k].clone())
-        };
+        let named = |column| self.all().find(|(it, _)| *it == column).map(|(_, name)| name.clone());
         match (named(Column::Radius), named(Column::Diameter)) {
             (Some(name), _) => RadiusSource::Column(name),
             (_, Some(name)) => RadiusSource::Halved(name),
             _ => RadiusSource::Missing,
         }
     }
-
-    fn value(&self, k: usize, cell: &[u8]) -> Option<f64> {
-        match self.powers.get(k) {
-            None | Some(0) => number(cell),
-            Some(&power) => number(&shifted(cell, power)),
-        }
-    }
-
-    /// Adds the particle of one line. `between` describes the separator, for messages.
-    pub fn push<'a>(
-        &self,
-        particles: &mut Particles,
-        mut cells: impl Iterator<Item = &'a [u8]> + Clone,
-        place: impl Fn() -> String,
-        between: impl Fn() -> String,
-    ) -> anyhow::Result<()> {
-        let (mut point, mut radius, mut id, mut bad) = ([0.0; 3], 0.0, 0, None);
-        let all = cells.clone();
-        for (k, column) in self.meaning.iter().enumerate() {
-            let Some(cell) = cells.next() else {
-                bad = Some((k, ""));
-                break;
-            };
-            match column {
-                Column::Other => continue,
-                Column::Id if particles.ids.is_none() => continue,
-                Column::Id => {
-                    match whole(cell) {
-                        Some(value) => id = value,
-                        // Faulty ids are dropped without an error because they may not be needed.
-                        None => particles.ids = None,
-                    }
-                }
-                Column::Axis(axis) => {
-                    if particles.len() < digits::LOOKED_AT {
-                        digits::count(&mut particles.digits, cell);
-                    }
-                    match self.value(k, cell) {
-                        Some(value) if value.is_finite() => point[*axis] = value,
-                        Some(_) => bad = Some((k, "is not a finite number")),
-                        None => bad = Some((k, not_a_number(cell))),
-                    }
-                }
-                Column::Radius | Column::Diameter => {
-                    let value = self.value(k, cell).ok_or_else(|| not_a_number(cell));
-                    match value.and_then(|value| column.size(value)) {
-                        Ok(value) => radius = value,
-                        Err(why) => bad = Some((k, why)),
-                    }
-                }
-            }
-            if bad.is_some() {
-                break;
-            }
-        }
-        if bad.is_some() || !self.or_more && cells.next().is_some() {
-            let (count, wanted) = (all.clone().count(), self.meaning.len());
-            ensure!(
-                count == wanted || self.or_more && count > wanted,
-                "{}: {} where {wanted} are expected{}{}",
-                place(),
-                plural(count, "column"),
-                between(),
-                match () {
-                    () if count == 2 * wanted => DECIMAL_COMMAS,
-                    () if count == wanted + 1 && particles.is_empty() => ROW_NAMES,
-                    () => "",
-                }
-            );
-            if let Some((k, why)) = bad {
-                let cell = all.clone().nth(k).unwrap_or_default();
-                let (place, name) = (place(), &self.names[k]);
-                ensure!(
-                    !all.map(decoded).eq(self.names.iter().cloned()),
-                    "{place}: the header is there again, as where files are joined; remove the line"
-                );
-                bail!(
-                    "{place}: column '{}': '{}' {why}; mend or remove the line",
-                    short(name),
-                    shown(cell)
-                );
-            }
-        }
-        if let Some(groups) = &mut particles.groups {
-            groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
-        }
-        particles.push(point, radius, id).with_context(place)
-    }
-}
-
-pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
-
-/// Remedy for row names, which R's write.table writes without a header.
-const ROW_NAMES: &str = "; if the first column has the names of rows and no header, as R's \
-                         write.table writes it, give row.names = FALSE there, or col.names = NA";
-
-/// Separators of columns, for messages.
-const SEPARATED: &str = "; columns are separated by commas, semicolons, tabs or blanks";
-
-fn not_a_number(cell: &[u8]) -> &'static str {
-    let text = decoded(cell);
-    if cell.is_empty() {
-        "is empty, not a number"
-    } else if is_decimal_comma(cell) {
-        "has a decimal comma, which is not read: write a point"
-    } else if number(&without(cell, b',')).is_some() {
-        "has commas between thousands, which are not read: write it without"
-    } else if text.contains(MINUS) {
-        "has a dash for a minus sign: write '-'"
-    } else if number(text.trim().as_bytes()).is_some() {
-        "has a blank that is not plain: remove it"
-    } else if units::known(text.trim_matches(['[', ']', '(', ')'])).is_some() {
-        "is a unit: write it behind the name, as in 'x [mm]', before the line is removed"
-    } else {
-        "is not a number"
-    }
-}
-
-fn without(cell: &[u8], sign: u8) -> Vec<u8> {
-    cell.iter().copied().filter(|&b| b != sign).collect()
-}
-
-pub(crate) fn is_decimal_comma(cell: &[u8]) -> bool {
-    let point = |&b: &u8| if b == b',' { b'.' } else { b };
-    let pointed: Vec<u8> = cell.iter().map(point).collect();
-    cell.contains(&b',') && number(&pointed).is_some()
 }

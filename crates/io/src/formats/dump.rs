@@ -15,11 +15,13 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::boxes::{bound, in_order};
-use crate::formats::Opened;
+use crate::columns::{Column, Columns};
 use crate::frames::Framed;
-use crate::particles::{Column, Columns, Particles, Rows};
+use crate::options::{Opened, Options};
+use crate::particles::{Loaded, Particles};
 use crate::raw::lines::{Lines, Separator, Source, number, short, step_of};
-use crate::{About, Declared, Loaded, Notice, Options};
+use crate::rows::Rows;
+use crate::types::{About, Declared, Notice};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Dump { lines: Lines::new(source), options, header: Header::default(), any: false })
@@ -164,7 +166,8 @@ impl Atoms {
              names behind it, as in 'ITEM: ATOMS id type xs ys zs' (scaled by the box) or 'ITEM: \
              ATOMS id type x y z'"
         );
-        let mut columns = Columns::named(names.split_whitespace()).chosen(place, options)?;
+        let mut columns =
+            Columns::named(names.split_whitespace()).chosen(place, options.columns)?;
         let has = |name: &str| columns.names.iter().any(|other| other == name);
         // A chosen column `xs` holds scaled coordinates, too.
         let chosen = |name: &str| {

@@ -11,12 +11,14 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::formats::{Indexed, Opened};
+use crate::columns::Column;
+use crate::formats::Indexed;
 use crate::frames::Framed;
-use crate::particles::{Column, Particles, loaded};
+use crate::options::{Opened, Options};
+use crate::particles::{Loaded, Particles, loaded};
 use crate::raw::lines::Source;
 use crate::raw::room::room_for;
-use crate::{About, Declared, Loaded, Notice, Options, RadiusSource};
+use crate::types::{About, Declared, Notice, RadiusSource};
 
 pub(crate) const MAGIC: &[u8] = b"\xdf\x65\xdf\x65\xdf\x65\xdf\x65";
 
@@ -175,6 +177,8 @@ impl File {
     }
 
     fn frame(&self, frame: u64, name: &str, options: Options) -> anyhow::Result<Loaded> {
+        let columns = options.columns.is_some();
+        ensure!(!columns, "{name}: GSD has one array of diameters; leave out --columns");
         let n = self.whole(frame, "particles/N", 3)?.unwrap_or(0) as usize;
         let dim = if self.whole(frame, "configuration/dimensions", 1)? == Some(2) { 2 } else { 3 };
         let mut notices = Vec::new();
@@ -202,7 +206,7 @@ impl File {
             ensure!(bad.is_none(), "particle {k} (from 0) is at {place:?}; it must be finite");
             ensure!(dim == 3 || place[2] == 0.0, "particle {k} (from 0) of a plane scene has a z");
             let size = sizes.as_ref().map_or(1.0, |sizes| sizes[k]);
-            let radius = Column::Diameter.size(size);
+            let radius = Column::Diameter.value(size);
             let radius = radius.map_err(|why| anyhow::anyhow!("particle {k}: {size} {why}"))?;
             particles.push([place[0], place[1], place[2]], radius, k as i64)?;
         }

@@ -15,9 +15,12 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::boxes::bound;
-use crate::particles::{Column, Columns, Rows};
+use crate::columns::{Column, Columns};
+use crate::options::Options;
+use crate::particles::Loaded;
 use crate::raw::lines::{Lines, Source, short, shown, words};
-use crate::{About, Declared, Loaded, Notice, Options};
+use crate::rows::Rows;
+use crate::types::{About, Declared, Notice};
 
 /// Columns of each style; image flags may follow.
 const STYLES: [(&str, &str); 16] = [
@@ -187,7 +190,7 @@ fn atoms(
         let Some(rows) = &mut rows else { continue };
         rows.push(line, lines)?;
     }
-    Ok(rows.unwrap_or_else(|| Rows::none("x y z", false)))
+    Ok(rows.unwrap_or_else(|| Rows::none("x y z")))
 }
 
 fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {

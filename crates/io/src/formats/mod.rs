@@ -3,44 +3,19 @@
 mod csv;
 mod dump;
 mod gsd;
-pub mod gzip;
 mod lammps;
-mod mercury;
 pub mod npy;
 pub(super) mod npz;
-mod ply;
 pub(super) mod unread;
 mod vtk;
-mod vtp;
-pub mod xml;
 mod xyz;
 
 use anyhow::{bail, ensure};
 pub(crate) use csv::names_a_frame;
 
-use crate::frames::{Once, Reader};
-use crate::pairs::fstat;
-use crate::raw::lines::{Source, number, words};
-use crate::{Loaded, Notice, Options};
-
-pub struct Format {
-    pub key: &'static str,
-    /// Contents of a file in this format, for the help.
-    pub help: &'static str,
-    pub name: &'static str,
-    pub endings: &'static [&'static str],
-    /// The start of every such file, for messages; empty if files may start with anything.
-    pub begins: &'static str,
-    tells: fn(&[u8]) -> bool,
-    read: Read,
-}
-
-enum Read {
-    Whole(fn(Source<'_>, Options) -> anyhow::Result<Loaded>),
-    Frames(fn(Source<'_>, Options) -> Opened<'_>),
-}
-
-pub type Opened<'a> = Box<dyn Reader<Loaded> + 'a>;
+use crate::options::{Format, Options, Read};
+use crate::raw::lines::Source;
+use crate::types::Notice;
 
 /// A file whose frames are described by its index: a header, a table or a list of its arrays.
 struct Indexed<'a, T> {
@@ -58,39 +33,21 @@ impl<'a, T> Indexed<'a, T> {
     }
 }
 
-impl PartialEq for Format {
-    fn eq(&self, other: &Format) -> bool {
-        self.key == other.key
-    }
-}
-
-impl std::fmt::Debug for Format {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.key)
-    }
-}
-
 impl std::str::FromStr for &'static Format {
     type Err = String;
 
     fn from_str(text: &str) -> Result<&'static Format, String> {
-        let all = || FORMATS.iter().map(|format| format.key).collect::<Vec<_>>().join(", ");
         let found = FORMATS.iter().find(|format| format.key.eq_ignore_ascii_case(text));
-        found.ok_or_else(|| format!("it must be one of {}", all()))
+        found.ok_or_else(|| format!("it must be one of {}", keys()))
     }
 }
 
-impl Format {
-    pub fn open<'a>(&self, source: Source<'a>, options: Options) -> Opened<'a> {
-        match self.read {
-            Read::Whole(read) => Box::new(Once::new(move || read(source, options))),
-            Read::Frames(open) => open(source, options),
-        }
-    }
+fn keys() -> String {
+    FORMATS.iter().map(|format| format.key).collect::<Vec<_>>().join(", ")
 }
 
 /// All formats, in the order in which their `tells` is tried.
-pub static FORMATS: [Format; 11] = [
+pub static FORMATS: [Format; 8] = [
     Format {
         key: "npy",
         help: "NumPy array",
@@ -128,24 +85,6 @@ pub static FORMATS: [Format; 11] = [
         read: Read::Whole(vtk::read),
     },
     Format {
-        key: "vtp",
-        help: "VTK XML: .vtp and .vtu",
-        name: "VTK XML",
-        endings: &["vtp", "vtu"],
-        begins: "<?xml or <VTKFile",
-        tells: |head| head.trim_ascii_start().starts_with(b"<"),
-        read: Read::Whole(vtp::read),
-    },
-    Format {
-        key: "ply",
-        help: "PLY, text or binary",
-        name: "PLY",
-        endings: &["ply"],
-        begins: "ply",
-        tells: |head| head.starts_with(b"ply\n") || head.starts_with(b"ply\r"),
-        read: Read::Whole(ply::read),
-    },
-    Format {
         key: "lammps-data",
         help: "LAMMPS data",
         name: "LAMMPS data",
@@ -155,31 +94,13 @@ pub static FORMATS: [Format; 11] = [
         read: Read::Whole(lammps::read),
     },
     Format {
-        key: "mercury",
-        help: "MercuryDPM .data",
-        name: "MercuryDPM data",
-        endings: &[],
-        begins: "",
-        tells: mercury::tells,
-        read: Read::Frames(mercury::frames),
-    },
-    Format {
         key: "xyz",
         help: "XYZ and extended XYZ",
         name: "XYZ",
         endings: &["xyz", "extxyz"],
         begins: "",
-        tells: |_| false,
+        tells: xyz::tells,
         read: Read::Frames(xyz::frames),
-    },
-    Format {
-        key: "csv",
-        help: "Columns, separated by comma, semicolon, tab or blanks; YADE's text files",
-        name: "CSV",
-        endings: &["csv", "tsv"],
-        begins: "",
-        tells: |_| false,
-        read: Read::Frames(csv::frames),
     },
     Format {
         key: "gsd",
@@ -190,76 +111,60 @@ pub static FORMATS: [Format; 11] = [
         tells: |head| head.starts_with(gsd::MAGIC),
         read: Read::Frames(gsd::frames),
     },
+    Format {
+        key: "csv",
+        help: "Columns, separated by comma, semicolon, tab or blanks; YADE's text files",
+        name: "CSV",
+        endings: &["csv", "tsv"],
+        begins: "",
+        tells: |head| !head.contains(&0),
+        read: Read::Frames(csv::frames),
+    },
 ];
 
+/// Returns the format of a file, by the option, else by its first bytes and its ending.
 pub fn find(
     head: &[u8],
     name: &str,
     ending: &str,
     options: Options,
 ) -> anyhow::Result<&'static Format> {
-    let format = told(head, name, ending, options)?;
+    let format = match options.format {
+        Some(format) => format,
+        None => detected(head, name, ending)?,
+    };
     ensure!(
         format.key == "csv" || !options.columns.is_some_and(|chosen| chosen.by_frame()),
         "{name}: frame= in --columns belongs to tables, and this is {}; leave it out",
         format.name
     );
-    ensure!(
-        format.key != "gsd" || options.columns.is_none(),
-        "{name}: {} has one array of diameters; leave out --columns",
-        format.name
-    );
     Ok(format)
 }
 
-fn told(
-    head: &[u8],
-    name: &str,
-    ending: &str,
-    options: Options,
-) -> anyhow::Result<&'static Format> {
-    if let Some(format) = options.format {
-        return Ok(format);
-    }
-    unread::refuse(head, name, None)?;
-    ensure!(
-        ending != "fstat" && !fstat::tells(head, true),
-        "{name} is a contact list of MercuryDPM (fstat); give it to verify --pairs, and the .data \
-         file beside it for the particles"
-    );
+fn detected(head: &[u8], name: &str, ending: &str) -> anyhow::Result<&'static Format> {
+    unread::refuse(head, name)?;
     let ended = FORMATS.iter().find(|format| format.endings.contains(&ending));
-    // The endings csv and xyz take precedence, because rows of numbers may look like another
-    // format.
-    let believed = ended.filter(|format| matches!(format.key, "csv" | "xyz"));
-    let strict =
-        |format: &&Format| believed.is_none() || !format.begins.is_empty() && format.key != "vtp";
-    if let Some(format) = FORMATS.iter().filter(strict).find(|format| (format.tells)(head)) {
-        return Ok(format);
+    // Rows of numbers may look like another text, so the endings csv and xyz decide among texts.
+    let text = ended.filter(|format| matches!(format.key, "csv" | "xyz"));
+    let tells =
+        |format: &&Format| (format.tells)(head) && (text.is_none() || !format.begins.is_empty());
+    let format = FORMATS.iter().find(tells).or(text.filter(|_| !head.contains(&0)));
+    match (format, ended) {
+        (Some(format), Some(ended)) if format.begins.is_empty() && !ended.begins.is_empty() => {
+            bail!("{name} is not a {} file: it does not begin with {}", ended.name, ended.begins)
+        }
+        (Some(format), _) => Ok(format),
+        (None, _) => bail!(
+            "{name} is binary, in no format that is known; write its particles as npy, or as CSV \
+             with a header x,y,z,r (--format takes one of {})",
+            keys()
+        ),
     }
-    if let Some(format) = ended.filter(|format| !format.begins.is_empty()) {
-        bail!("{name} is not a {} file: it does not begin with {}", format.name, format.begins);
-    }
-    ensure!(
-        !head.contains(&0),
-        "{name} is binary, in no format that is known; write its particles as npy, or as CSV with \
-         a header x,y,z,r (--format takes one of {})",
-        FORMATS.iter().map(|format| format.key).collect::<Vec<_>>().join(", ")
-    );
-    if let Some(format) = believed {
-        return Ok(format);
-    }
-    let counted = words(head.split(|&b| b == b'\n').next().unwrap_or_default())
-        .map(number)
-        .collect::<Vec<_>>();
-    let whole = |x: f64| x >= 0.0 && x.fract() == 0.0;
-    let key = if matches!(counted[..], [Some(n)] if whole(n)) { "xyz" } else { "csv" };
-    key.parse().map_err(anyhow::Error::msg)
 }
 
 /// Returns a notice if the name of an unused column or array hints at frames. Formats with frames
 /// of their own need none.
 pub(crate) fn maybe_frames(format: &str, unused: &[String]) -> Option<Notice> {
     let table = format == "CSV" || format == "YADE text";
-    let arrays = ["NumPy", "PLY"].iter().any(|name| format.starts_with(name));
-    (table || arrays).then(|| csv::maybe_frames(unused, table)).flatten()
+    (table || format.starts_with("NumPy")).then(|| csv::maybe_frames(unused, table)).flatten()
 }

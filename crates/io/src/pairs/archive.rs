@@ -8,13 +8,12 @@ use super::array::Array;
 use super::columns::{Columns, is_image};
 use super::list::List;
 use super::{Table, push};
-use crate::Frame;
 use crate::formats::npy::{self, Header};
 use crate::formats::npz;
 use crate::frames::{Choice, Reader};
-use crate::notice::Notice;
 use crate::raw::lines::{Source, listed, short};
 use crate::raw::room::room;
+use crate::types::{Frame, Notice};
 
 /// Names that numpy.savez gives to unnamed arrays.
 const UNNAMED: [&str; 2] = ["arr_0", "arr_1"];

@@ -14,9 +14,9 @@ use super::list::List;
 use super::{Rows, push};
 use crate::formats::npy::{self, Header};
 use crate::frames::Choice;
-use crate::notice::Notice;
 use crate::raw::lines::Source;
 use crate::raw::room::room;
+use crate::types::Notice;
 
 const ROWS: u64 = 4096;
 

@@ -10,8 +10,8 @@ use super::columns::Columns;
 use super::list::List;
 use crate::formats::names_a_frame;
 use crate::frames::Choice;
-use crate::notice::Notice;
 use crate::raw::lines::{Lines, Separator, decoded, number, short, shown, whole, words};
+use crate::types::Notice;
 
 pub(super) struct Csv<'a> {
     lines: Lines<'a>,

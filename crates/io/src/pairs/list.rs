@@ -3,8 +3,8 @@
 use anyhow::ensure;
 
 use super::Other;
-use crate::notice::Notice;
 use crate::raw::lines::short;
+use crate::types::Notice;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct List {
@@ -22,13 +22,10 @@ pub struct List {
     /// Whether unnamed columns were taken for images only by the number of columns.
     pub guessed: bool,
     pub others: Vec<Other>,
-    pub walls: u64,
     /// Whether numbers are LAMMPS ids instead of positions in a file.
     pub ids: bool,
     /// Whether the columns are called `id1` and `id2`, which means ids if the particles have any.
     pub named_ids: bool,
-    /// Whether every contact occurred in both directions (MercuryDPM), and one direction was kept.
-    pub both_sides: bool,
     pub notices: Vec<Notice>,
 }
 

@@ -1,7 +1,7 @@
-//! Reads contact lists of other programs: CSV, npy, npz, MercuryDPM `.fstat`, LAMMPS dump local.
+//! Reads contact lists of other programs: CSV, npy, npz, LAMMPS dump local.
 //!
 //! A list names particles by numbers, which the caller interprets: indices from 0 or 1, or ids. A
-//! file may hold one list per frame: sections of a dump or `.fstat` file, or rows in the order of a
+//! file may hold one list per frame: sections of a dump, or rows in the order of a
 //! column `frame` (from 0) or `step`. In npy, the first of three, five or six columns is the frame,
 //! if all frames are read.
 
@@ -11,19 +11,18 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 
-use crate::Frame;
-use crate::Notice;
 use crate::formats::{npy, unread};
-use crate::frames::{Choice, Once, Reader, Step, chosen, series};
+use crate::frames::{Choice, Once, Reader, Step, chosen};
+use crate::load::{series, unpacked};
 use crate::raw::lines::{Lines, Source};
 use crate::raw::room::room;
+use crate::types::{Frame, Notice};
 
 mod archive;
 mod array;
 mod columns;
 mod csv;
 mod dump;
-pub(super) mod fstat;
 mod list;
 pub use columns::Other;
 pub use list::{List, columns_of};
@@ -121,7 +120,7 @@ pub fn lists_from<T>(
         "--pairs-columns takes the two columns of the particles, and those of the image where \
          there is one, with commas between: I,J or I,J,SX,SY or I,J,SX,SY,SZ"
     );
-    crate::unpacked(reader, name, |input, unpacking, head, _| {
+    unpacked(reader, name, |input, unpacking, head, _| {
         let reader = open(Source { input, name, unpacking }, head, columns)?;
         body(Lists { reader, choice: Choice::new(frame, false), name, ended: false })
     })
@@ -136,7 +135,7 @@ fn open<'a>(
     if head.starts_with(npy::MAGIC) {
         return Ok(Box::new(Table::new(array::Array::new(source))));
     }
-    unread::refuse(head, name, Some("write the pairs as CSV with a header i,j"))?;
+    unread::refuse(head, name)?;
     if head.starts_with(b"PK\x03\x04") {
         return Ok(Box::new(Once::new(move || archive::read(source, columns))));
     }
@@ -147,9 +146,6 @@ fn open<'a>(
     let lines = Lines::new(source);
     if head.starts_with(b"ITEM:") {
         return Ok(Box::new(dump::Dump::new(lines, columns)));
-    }
-    if fstat::tells(head, false) || name.ends_with(".fstat") {
-        return Ok(Box::new(fstat::Fstat::new(lines)));
     }
     Ok(Box::new(Table::new(csv::Csv::new(lines, columns))))
 }

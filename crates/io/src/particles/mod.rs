@@ -1,19 +1,20 @@
 //! Particles while they are read. Memory grows with the bytes of the file, whatever number its
 //! header announces.
 
-pub(super) mod digits;
+mod given;
 mod ids;
+pub mod sizes;
 
 use anyhow::{Context, bail, ensure};
 use nalgebra::Point;
 
-use crate::Given;
 use crate::boxes::along;
-pub(crate) use crate::columns::{Column, Columns, DECIMAL_COMMAS, Rows, is_decimal_comma};
+use crate::columns::without::Groups;
 use crate::raw::lines::{listed, short};
-use crate::raw::room::{room, room_for};
-use crate::{About, Groups, Loaded, Notice, Options, RadiusSource};
+use crate::raw::room::{numbered, room, room_for};
+use crate::types::{About, Notice, RadiusSource, assumed};
 use contactbench_ground::scene::{AnyScene, Lattice, Radii, Scene};
+pub use given::Given;
 
 #[derive(Debug, PartialEq)]
 pub enum Centres {
@@ -58,8 +59,10 @@ pub struct Particles {
     pub source: Option<RadiusSource>,
     /// Index in the file of the first particle, if only a part was read.
     pub first: Option<u64>,
-    pub(super) digits: digits::Counts,
 }
+
+/// Particles, and what is known about their file.
+pub type Loaded = (Particles, About);
 
 impl Particles {
     pub fn new(dim: usize, has_radii: bool) -> Particles {
@@ -105,11 +108,7 @@ impl Particles {
     }
 
     pub fn push(&mut self, place: [f64; 3], radius: f64, id: i64) -> anyhow::Result<()> {
-        ensure!(
-            self.len() < u32::MAX as usize,
-            "more than 2^32 - 1 = {} particles; split the file",
-            u32::MAX
-        );
+        numbered(self.len() as u64 + 1, "particles")?;
         with_points!(&mut self.centres, points => {
             room(points)?;
             points.push(point(&place));
@@ -138,85 +137,50 @@ impl Particles {
         Ok(())
     }
 
-    /// Adds the particles of another file of the same scene; `name` is used in messages.
-    pub fn append(&mut self, other: Particles, name: &str) -> anyhow::Result<()> {
-        let n = self.len() + other.len();
-        ensure!(n <= u32::MAX as usize, "more than 2^32 - 1 = {} particles", u32::MAX);
-        ensure!(
-            self.has_radii() == other.has_radii() || self.is_empty() || other.is_empty(),
-            "{name}: of the pieces of one scene some hold radii, and others none; write them alike"
-        );
-        match (&mut self.centres, other.centres) {
-            (Centres::Plane(all), Centres::Plane(more)) => {
-                room_for(all, more.len())?;
-                all.extend(more);
-            }
-            (Centres::Space(all), Centres::Space(more)) => {
-                room_for(all, more.len())?;
-                all.extend(more);
-            }
-            _ => bail!("{name}: some pieces of one scene hold discs, and others spheres"),
+    /// Returns which of the columns without names, the first or the last, holds 0, 1, 2, ... or 1, 2,
+    /// 3, ... and so seems to number the particles, as in the published data of Finney's packing.
+    pub(crate) fn numbered_column(&self) -> Option<&'static str> {
+        let n = self.len();
+        let counts = |value: &dyn Fn(usize) -> f64| {
+            n > 2
+                && [0.0, 1.0].contains(&value(0))
+                && (1..n).all(|k| value(k) == value(k - 1) + 1.0)
+        };
+        // Beads on a row may have x = 0, 1, 2, but share all else; x and y may be a graph.
+        let radius = |k: usize| self.radii.as_ref().map(|radii| radii[k]);
+        let beside = |k: usize| (self.centre(k)[1], self.centre(k)[2], radius(k));
+        let is_row = (1..n).all(|k| beside(k) == beside(0));
+        let is_graph = self.dim() == 2 && self.radii.is_none();
+        if self.radii.as_ref().is_some_and(|radii| counts(&|k| radii[k])) {
+            return Some("last");
         }
-        joined(&mut self.radii, other.radii, n)?;
-        joined(&mut self.ids, other.ids, n)?;
-        match (&mut self.groups, other.groups) {
-            (Some(all), Some(more)) => all.append(more)?,
-            (all, _) => *all = None,
-        }
-        let new = other.notices.into_iter().filter(|notice| !self.notices.contains(notice));
-        let new: Vec<Notice> = new.collect();
-        self.notices.extend(new);
-        Ok(())
+        (!is_row && !is_graph && counts(&|k| self.centre(k)[0])).then_some("first")
     }
 
-    pub(crate) fn from_columns(
-        points: Vec<Point<f64, 3>>,
-        radii: Option<Vec<f64>>,
-        name: &str,
-    ) -> anyhow::Result<Particles> {
-        if let Some(radii) = &radii {
-            ensure!(
-                radii.len() == points.len(),
-                "{name} holds {} points but {} radii; write it again",
-                points.len(),
-                radii.len()
-            );
+    /// Takes the given radius instead of the file's, whose source becomes [`RadiusSource::Given`].
+    pub(crate) fn take_radius(&mut self, given: f64, source: &mut RadiusSource) {
+        if self.radii.take().is_some() {
+            let label = match source {
+                RadiusSource::Column(label) | RadiusSource::Halved(label) => label.as_str(),
+                RadiusSource::Given | RadiusSource::Missing => "the last column",
+            };
+            self.notices.push(unused_sizes(label, given));
         }
-        Ok(Particles { centres: Centres::Space(points), radii, ..Particles::default() })
+        *source = RadiusSource::Given;
     }
 
-    /// Applies the options: the given radius replaces the file's, and spheres with z = 0 become
-    /// discs. Options that contradict the particles are refused.
-    pub(crate) fn as_asked(
-        &mut self,
-        name: &str,
-        options: Options,
-        radius: &mut RadiusSource,
-    ) -> anyhow::Result<()> {
-        if let Some(given) = options.radius {
-            if self.radii.take().is_some() {
-                let label = match radius {
-                    RadiusSource::Column(label) | RadiusSource::Halved(label) => label.as_str(),
-                    RadiusSource::Given | RadiusSource::Missing => "the last column",
-                };
-                self.notices.push(unused_sizes(label, given));
-            }
-            *radius = RadiusSource::Given;
-        }
+    /// Makes discs of spheres with z = 0, if `dim` is 2. Other changes of the dimension are refused.
+    pub(crate) fn in_dim(&mut self, dim: Option<u32>) -> anyhow::Result<()> {
         ensure!(
-            options.dim != Some(3) || self.dim() == 3,
-            "{name} holds plane points (x and y only); it cannot be read as 3D: add a column z"
+            dim != Some(3) || self.dim() == 3,
+            "the points have x and y only, and cannot be read as 3D: add a column z"
         );
-        if let (Some(2), Centres::Space(points)) = (options.dim, &mut self.centres) {
+        if let (Some(2), Centres::Space(points)) = (dim, &mut self.centres) {
             if let Some(k) = points.iter().position(|point| point[2] != 0.0) {
-                bail!(
-                    "{name}: particle {k} has z = {}; only particles with z = 0 can be read as 2D",
-                    points[k][2]
-                );
+                bail!("particle {k} has z = {}; discs must have z = 0", points[k][2]);
             }
-            self.centres = Centres::Plane(
-                std::mem::take(points).into_iter().map(|p| Point::from([p[0], p[1]])).collect(),
-            );
+            let points = std::mem::take(points).into_iter();
+            self.centres = Centres::Plane(points.map(|p| Point::from([p[0], p[1]])).collect());
         }
         Ok(())
     }
@@ -249,21 +213,8 @@ impl Particles {
     }
 }
 
-/// Appends the values of further particles, which are now `count` in all. The list is dropped if
-/// some particle has no value.
-fn joined<T>(all: &mut Option<Vec<T>>, more: Option<Vec<T>>, count: usize) -> anyhow::Result<()> {
-    if all.is_none() && more.is_none() {
-        return Ok(());
-    }
-    let (mut list, more) = (all.take().unwrap_or_default(), more.unwrap_or_default());
-    room_for(&mut list, more.len())?;
-    list.extend(more);
-    *all = (list.len() == count).then_some(list);
-    Ok(())
-}
-
 pub(crate) fn unused_sizes(label: &str, given: f64) -> Notice {
-    Notice::Assumed(format!("the sizes in '{}' are not used: the radius is {given}", short(label)))
+    assumed!("the sizes in '{}' are not used: the radius is {given}", short(label))
 }
 
 /// Remedy for particles without radii; names like those of sizes come first.
@@ -273,19 +224,17 @@ fn without_radii(names: &[String]) -> String {
         ["rad", "diam", "size"].iter().any(|part| name.contains(part))
     };
     let (mut shown, others): (Vec<&String>, Vec<&String>) = names.iter().partition(like);
-    let remedy = match shown.first() {
-        Some(name) => format!("choose one: --columns r={0} or d={0}", short(name)),
-        None => "give --columns r=NAME or d=NAME if one of the names is theirs".into(),
-    };
+    let name = shown.first().map_or("NAME".into(), |name| short(name));
     shown.extend(others);
     let there = match shown[..] {
-        [] => "; add a column named r, or".into(),
+        [] => "; add a column named r".into(),
         _ => format!(
-            " in a column r, radius, d or diameter; not used: {}; {remedy}, or",
+            " in a column r, radius, d or diameter; not used: {}; if one holds them, give \
+             --columns r={name} or d={name}",
             listed(&shown)
         ),
     };
-    format!("{there} give --radius R (half the diameter; in an experiment radius = R)")
+    format!("{there}, or give --radius R (half the diameter; in an experiment radius = R)")
 }
 
 pub fn loaded(format: &'static str, particles: Particles, radius: RadiusSource) -> Loaded {

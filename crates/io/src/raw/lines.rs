@@ -4,7 +4,7 @@ use std::io::{BufRead, Read};
 
 use anyhow::{Context, bail, ensure};
 
-use crate::formats::gzip::Unpacking;
+use crate::raw::gzip::Unpacking;
 use crate::raw::room::numbered;
 
 /// Maximum length of a line in bytes. A longer line means that the file is not text.
@@ -177,7 +177,7 @@ impl<'a> Lines<'a> {
         else {
             bail!("{}: '{}' is not {what}", self.place(), shown(text));
         };
-        numbered(n, "particles", &self.place())?;
+        numbered(n, "particles").with_context(|| self.place())?;
         Ok(n)
     }
 }

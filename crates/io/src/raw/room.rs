@@ -20,11 +20,8 @@ pub(crate) fn room_for<T>(list: &mut Vec<T>, count: usize) -> anyhow::Result<()>
     Ok(())
 }
 
-pub(crate) fn numbered(n: u64, what: &str, place: &str) -> anyhow::Result<()> {
+pub(crate) fn numbered(n: u64, what: &str) -> anyhow::Result<()> {
     let most = u32::MAX;
-    ensure!(
-        n <= u64::from(most),
-        "{place}: {n} {what}; at most 2^32 - 1 = {most} can be numbered: split the file"
-    );
+    ensure!(n <= most.into(), "{n} {what}, and at most 2^32 - 1 = {most} are read; split the file");
     Ok(())
 }

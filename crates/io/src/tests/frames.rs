@@ -12,8 +12,8 @@ fn one(bytes: &[u8], frame: Frame, survey: bool) -> Result<(f64, u64, u64), Stri
 #[test]
 fn one_frame_is_read_by_the_code_that_reads_all() {
     let cube = npy_file("<f8", "False", "(3, 1, 2)", &doubles(&[0.0, 1.0, 1.0, 1.0, 2.0, 1.0]));
-    let [(_, dump, _), (_, xyz, _), (_, mercury, _), _] = growing();
-    for bytes in [dump.as_bytes(), xyz.as_bytes(), mercury.as_bytes(), &cube] {
+    let [(_, dump, _), (_, xyz, _), _] = growing();
+    for bytes in [dump.as_bytes(), xyz.as_bytes(), &cube] {
         assert_eq!(one(bytes, Frame::Number(1), true), Ok((1.0, 1, 3)));
         assert_eq!(one(bytes, Frame::Number(1), false), Ok((1.0, 1, 2)));
         assert_eq!(one(bytes, Frame::Number(0), false), Ok((0.0, 0, 1)));
@@ -48,7 +48,7 @@ fn radii_are_sorted_with_ids() {
 
 /// Returns files of three frames, in which x of the first particle is the number of the frame:
 /// the ending, the text, and the number of lines of the first two frames.
-fn growing() -> [(&'static str, String, usize); 4] {
+fn growing() -> [(&'static str, String, usize); 3] {
     let dump = |step: u64| {
         format!(
             "ITEM: TIME\n0.5\nITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS \
@@ -57,14 +57,12 @@ fn growing() -> [(&'static str, String, usize); 4] {
     };
     let xyz =
         |step: u64| format!("2\nLattice=\"10 10 10\" step={step}\nC {step} 5 5\nC 9.75 5 5\n");
-    let mercury =
-        |step: u64| format!("2 {step} 0 0 9 9\n{step} 5 0 0 .5 0 0 0\n1 5 0 0 .5 0 0 0\n");
     let csv = |step: u64| {
         let head = if step == 0 { "frame,x,y,z\n" } else { "" };
         format!("{head}{step},{step},5.125,5.25\n{step},9.75,5.125,5.25\n")
     };
     let of = |frame: &dyn Fn(u64) -> String| frame(0) + &frame(1) + &frame(2);
-    [("dump", of(&dump), 26), ("xyz", of(&xyz), 8), ("", of(&mercury), 6), ("csv", of(&csv), 5)]
+    [("dump", of(&dump), 26), ("xyz", of(&xyz), 8), ("csv", of(&csv), 5)]
 }
 
 #[test]
@@ -74,10 +72,8 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
         let rest = text.len() - third;
         for cut in [text.len() - 12, text.len() - 9, third + rest / 4, third + 3] {
             let bytes = &text.as_bytes()[..cut];
-            let radius = (!ending.is_empty()).then_some(0.5);
-            let options = Options { radius, ..NONE };
             let load = |frame, survey| {
-                load_from(bytes, "p", ending, Options { frame, survey, ..options })
+                load_from(bytes, "p", ending, Options { frame, survey, ..HALF })
                     .map_err(|error| format!("{error:#}"))
             };
             for k in [0, 1] {
@@ -96,7 +92,7 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
                 format!("frames 0 to 1 are whole: take --frame 1, or all with head -n {lines} p");
             let error = load(Frame::Last, false).unwrap_err();
             assert!(error.ends_with(&whole), "{ending} {cut}: {error}");
-            let all = Options { frame: Frame::All, ..options };
+            let all = Options { frame: Frame::All, ..HALF };
             let mut count = 0;
             let end = frames_from(bytes, "p", ending, all, |frames| {
                 frames.map(|frame| frame.map(|_| count += 1)).collect::<anyhow::Result<Vec<_>>>()
@@ -105,8 +101,7 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
             assert_eq!(count, 2, "{ending} {cut}");
         }
         let some: String = text.split_inclusive('\n').take(lines).collect();
-        let options = Options { radius: (!ending.is_empty()).then_some(0.5), ..NONE };
-        let last = Options { frame: Frame::Last, ..options };
+        let last = Options { frame: Frame::Last, ..HALF };
         let (particles, _) = load_from(some.as_bytes(), "p", ending, last).unwrap();
         assert_eq!(particles.centre(0)[0], 1.0);
         // Without its line feed, the last number may be cut.

@@ -7,9 +7,11 @@ mod npy;
 mod refused;
 mod series;
 
+use std::path::Path;
+
 use super::*;
 use crate::formats::npy::MAGIC;
-use contactbench_ground::scene::{Real, array};
+use contactbench_ground::scene::{AnyScene, Real, array};
 use contactbench_ground::with_scene;
 
 const NONE: Options = Options::NONE;

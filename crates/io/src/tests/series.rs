@@ -1,4 +1,4 @@
-//! Several files as one trajectory or one scene.
+//! Several files as one trajectory.
 
 use super::*;
 
@@ -15,7 +15,7 @@ type Told = (Vec<(Vec<f64>, u64, Option<f64>)>, String);
 
 fn all(path: &Path, options: Options) -> Told {
     let mut told = Vec::new();
-    let end = super::frames(path, Options { frame: Frame::All, ..options }, |frames| {
+    let end = crate::frames(path, Options { frame: Frame::All, ..options }, |frames| {
         for frame in frames {
             let (particles, about) = frame?;
             let x = (0..particles.len()).map(|k| particles.centre(k)[0]).collect();
@@ -24,18 +24,6 @@ fn all(path: &Path, options: Options) -> Told {
         Ok(())
     });
     (told, end.map_or_else(|error| format!("{error:#}"), |()| String::new()))
-}
-
-fn vtp(kind: &str, x: &[f64]) -> String {
-    let n = x.len();
-    let points: String = x.iter().map(|x| format!("{x} 5 5 ")).collect();
-    let array = "DataArray type=\"Float64\" format=\"ascii\"";
-    format!(
-        "<VTKFile type=\"{kind}\"><{kind}><Piece NumberOfPoints=\"{n}\"><Points><{array} \
-         NumberOfComponents=\"3\">{points}</DataArray></Points><PointData><{array} \
-         Name=\"radius\">{}</DataArray></PointData></Piece></{kind}></VTKFile>",
-        "0.5 ".repeat(n)
-    )
 }
 
 #[test]
@@ -86,70 +74,4 @@ fn lists_of_a_pattern_are_those_of_frames() {
     assert!(pairs::read(&pattern, &[], Frame::Only).is_err());
     let none = pairs::read(&folder.path().join("n_*.csv"), &[], Frame::Last).unwrap_err();
     assert!(none.to_string().contains("no file matches the pattern"), "{none}");
-}
-
-#[test]
-fn lists_of_files_are_frames_with_times() {
-    let one = vtp("PolyData", &[1.0]);
-    let two = vtp("UnstructuredGrid", &[2.0, 3.0]);
-    let pvd = "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0.5\" \
-               file=\"b.vtp\"/><DataSet timestep=\"2\" part=\"0\" file=\"a.vtu\"/><DataSet \
-               timestep=\"2\" part=\"1\" file=\"b.vtp\"/></Collection></VTKFile>";
-    let json = r#"{"file-series-version": "1.0", "files": [{"name": "b.vtp", "time": 0.5},
-                  {"name": "a.vtu", "time": 2}]}"#;
-    let folder = folder(&[
-        ("b.vtp", &one),
-        ("a.vtu", &two),
-        ("s.pvd", pvd),
-        ("s.vtp.series", json),
-        ("back.pvd", &pvd.replacen("0.5", "7", 1)),
-        ("self.pvd", &pvd.replace("b.vtp", "self.pvd")),
-        ("cut.pvd", pvd.strip_suffix("</VTKFile>").unwrap()),
-        ("gone.pvd", &pvd.replace("a.vtu", "gone.vtu")),
-        ("empty.pvd", "<VTKFile type=\"Collection\"><Collection></Collection></VTKFile>"),
-    ]);
-    let told = |name: &str| all(&folder.path().join(name), NONE);
-    let frames = |second| vec![(vec![1.0], 0, Some(0.5)), (second, 1, Some(2.0))];
-    assert_eq!(told("s.pvd"), (frames(vec![2.0, 3.0, 1.0]), String::new()));
-    assert_eq!(told("s.vtp.series"), (frames(vec![2.0, 3.0]), String::new()));
-    for (name, words) in [
-        ("back.pvd", "the time 2 stands behind 7; sort the list by time"),
-        ("self.pvd", "is a list of files itself"),
-        ("cut.pvd", "ends before </VTKFile>"),
-        ("gone.pvd", "gone.vtu"),
-        ("empty.pvd", "lists no files"),
-    ] {
-        let (_, end) = told(name);
-        assert!(end.contains(words), "{name}: {end}");
-    }
-}
-
-#[test]
-fn pieces_in_files_are_one_scene() {
-    let pieces = "<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid GhostLevel=\"0\"><Piece \
-                  Source=\"a.vtu\"/><Piece Source=\"e.vtu\"/><Piece Source=\"b.vtp\"/>\
-                  </PUnstructuredGrid></VTKFile>";
-    let series = "<VTKFile type=\"Collection\"><DataSet timestep=\"4\" file=\"all.pvtu\"/>\
-                  </VTKFile>";
-    let folder = folder(&[
-        ("all.pvtu", pieces),
-        ("none.pvtu", &pieces.replace("b.vtp", "sized.csv")),
-        ("lost.pvtu", &pieces.replace("b.vtp", "lost/b.vtp")),
-        ("s.pvd", series),
-        ("a.vtu", &vtp("UnstructuredGrid", &[2.0, 3.0])),
-        ("e.vtu", &vtp("UnstructuredGrid", &[])),
-        ("b.vtp", &vtp("PolyData", &[1.0])),
-        ("sized.csv", "x,y,z\n1,2,3\n"),
-    ]);
-    let told = |name: &str| all(&folder.path().join(name), NONE);
-    let x = vec![2.0, 3.0, 1.0];
-    assert_eq!(told("all.pvtu"), (vec![(x.clone(), 0, None)], String::new()));
-    assert_eq!(told("s.pvd"), (vec![(x, 0, Some(4.0))], String::new()));
-    assert!(told("none.pvtu").1.contains("some hold radii, and others none"));
-    let (_, lost) = told("lost.pvtu");
-    for words in ["lost.pvtu: its piece ", "lost/b.vtp is missing; ", "out of the list"] {
-        assert!(lost.contains(words), "{lost}");
-    }
-    let (particles, about) = load(&folder.path().join("all.pvtu"), NONE).unwrap();
-    assert_eq!((particles.len(), about.frames), (3, 1));
 }

@@ -16,8 +16,8 @@ use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::Given;
 use crate::formats::npy;
+use crate::particles::Given;
 use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_ground::scene::{Lattice, Real, Scene, array};
 use contactbench_ground::with_scene;

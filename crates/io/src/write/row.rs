@@ -4,8 +4,7 @@ use std::io::{self, Write};
 
 use crate::raw::room::room;
 use contactbench_ground::contact::depth::depth;
-use contactbench_ground::periodic;
-use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::periodic::{self, ImagePair, Periodic};
 use contactbench_ground::scene::{AnyScene, Real, array};
 use contactbench_ground::with_scene;
 

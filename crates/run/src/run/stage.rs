@@ -30,7 +30,6 @@ use contactbench_record::findings::winners::winners;
 use contactbench_record::record::folder::done::{Index, TooSlow};
 use contactbench_record::record::id::CellId;
 use contactbench_record::record::row::{Outcome, Pass, Row, Writer};
-use contactbench_scenes::doubts::{Touching, doubts};
 use contactbench_scenes::generate::hard;
 use contactbench_scenes::spec::Spec;
 use contactbench_scenes::stats;
@@ -132,11 +131,7 @@ impl Stage<'_, '_> {
 
     fn note(&mut self, given: &Given) {
         let path = self.spec.params.get("path").and_then(|path| path.as_str()).unwrap_or_default();
-        let doubts = given.source.as_ref().map(|source| {
-            let touching = Touching::search(given);
-            doubts(&given.scene, source, Arithmetic::Exact, touching.as_ref())
-        });
-        for notice in given.notices.iter().chain(doubts.iter().flatten()) {
+        for notice in &given.notices {
             let text = format!("{path}: {}", notice.words(Place::Experiment));
             if self.log.noted.insert(text.clone()) {
                 self.log.progress.note(&text);

@@ -7,11 +7,10 @@ use anyhow::{Context, bail, ensure};
 use crate::verify::{self, Allowed, Job, Listed, Meaning, Naming, Reading};
 use crate::verify::{Terms, Verification};
 use contactbench_ground::contact::Arithmetic;
-use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::periodic::Periodic;
 use contactbench_ground::scene::{AnyScene, Lattice};
 use contactbench_io::pairs::List;
 use contactbench_io::{self as io, About, Given, Notice, Particles, boxes};
-use contactbench_scenes::doubts::Touching;
 
 /// The two files to compare, and how to read them.
 pub struct Asked<'a> {
@@ -150,15 +149,6 @@ impl Verified {
     /// Returns the box; `None` in open space.
     pub fn lattice(&self) -> Option<&Lattice> {
         Some(self.space.lattice()).filter(|lattice| lattice.repeats())
-    }
-
-    /// Examines the contacts, for doubts about the particles.
-    pub fn touching(&self) -> Touching {
-        let truth = &self.found.truth;
-        match self.lattice() {
-            None => Touching::open(self.scene(), &truth.plain),
-            Some(_) => Touching::boxed(&self.space, &truth.iter().collect::<Vec<ImagePair>>()),
-        }
     }
 }
 

@@ -56,11 +56,8 @@ pub struct All {
     pub matched: Matched,
     /// Format of the list, how it names particles, and how pairs in a box were compared.
     pub read: Option<(&'static str, Meaning, Option<Taken>)>,
-    /// Number of contacts with walls.
-    pub walls: u64,
     /// Numbers of contacts and of listed pairs left out by `--without`.
     pub left_out_pairs: [u64; 2],
-    pub both_sides: bool,
     /// Names of ignored columns.
     pub others: Vec<String>,
     /// The first wrong frame and its hint.
@@ -118,9 +115,7 @@ impl All {
             let taken = verified.lattice().map(|_| found.taken);
             self.read = Some((list.format, verified.naming, taken));
         }
-        self.walls += list.walls;
         self.left_out_pairs.iter_mut().zip(found.left_out).for_each(|(all, of)| *all += of);
-        self.both_sides |= list.both_sides;
         for other in &list.others {
             if !self.others.contains(&other.name) {
                 self.others.push(other.name.clone());

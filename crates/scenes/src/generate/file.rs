@@ -43,7 +43,7 @@ const PARAMS: [Parameter; 9] = [
 
 pub const GENERATOR: Generator = Generator {
     name: NAME,
-    summary: "a particle file: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK, PLY or GSD",
+    summary: "a particle file: CSV, XYZ, LAMMPS, YADE, NumPy, VTK or GSD",
     own_n: true,
     params: &[&PARAMS, &[crate::neighbours::NEIGHBOURS]],
     make: |inputs| {

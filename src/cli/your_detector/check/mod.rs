@@ -14,7 +14,7 @@ use verdicts::{as_json, verdicts};
 
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::ci::Outputs;
-use crate::cli::shared::input::{Input, OPTIONS, doubt_given};
+use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::{terminal, values};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
@@ -86,13 +86,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     quiet_panics();
     let mut out: Box<dyn Write> =
         if options.json { Box::new(std::io::sink()) } else { Box::new(terminal::out()) };
-    let f32 = options.arithmetic.contains(&Arithmetic::F32);
-    let arithmetic = if f32 { Arithmetic::F32 } else { Arithmetic::Exact };
-    let read = |path: &String| {
-        let given = options.input.given(path)?;
-        doubt_given(path, &given, arithmetic);
-        Ok((path.clone(), given))
-    };
+    let read = |path: &String| Ok((path.clone(), options.input.given(path)?));
     let scenes = options.scene.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let mut broken = Vec::new();
     let groups = match &options.runner {

@@ -3,12 +3,12 @@
 use anyhow::{Context, bail, ensure};
 
 use super::split::{self, Blocks, Split};
+use crate::columns::Columns;
 use crate::columns::chosen::Chosen;
-use crate::particles::{Columns, DECIMAL_COMMAS, is_decimal_comma};
-use crate::raw::lines::{
-    Lines, Separator, decoded, is_comment, number, short, step_of, uncommented, words,
-};
-use crate::{Declared, Notice, Options};
+use crate::options::Options;
+use crate::raw::lines::{Lines, Separator, decoded, is_comment, number, short, uncommented, words};
+use crate::rows::{DECIMAL_COMMAS, is_decimal_comma};
+use crate::types::{Declared, Notice, assumed};
 
 #[derive(Default)]
 pub(super) struct Table {
@@ -50,12 +50,8 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Ta
         named_by(lines, &mut comments, options)?
     } else {
         // A comment that names columns is the header of a table without rows.
-        let columns = comments.columns.take().with_context(|| {
-            format!(
-                "{} is empty; a particle file has at least a header such as x,y,r",
-                lines.source.name
-            )
-        })?;
+        let columns = comments.columns.take();
+        let columns = columns.with_context(|| format!("{} is empty", lines.source.name))?;
         Table { columns, ..Table::default() }
     };
     table.format = if comments.format || comments.edges.is_some() { "YADE text" } else { "CSV" };
@@ -89,14 +85,12 @@ impl Comments {
             }
             None => (named(text.as_bytes()), false),
         };
-        let chosen = columns.chosen("", options).ok().filter(Columns::has_places);
+        let chosen = columns.chosen("", options.columns).ok().filter(Columns::has_places);
         if chosen.is_some() && (is_format || !self.format) {
             self.columns = chosen;
         } else if self.notices.is_empty() && may_be_box(text) {
-            self.notices.push(Notice::Assumed(format!(
-                "the comment '{}' may describe a box but is not read; if it does, give --box",
-                short(text)
-            )));
+            let text = short(text);
+            self.notices.push(assumed!("the comment '{text}' may be a box and is not read: --box"));
         }
         self.format |= is_format;
         Ok(())
@@ -110,12 +104,8 @@ fn edges_of(text: &str, options: Options) -> anyhow::Result<Option<[f64; 3]>> {
         Some(&[x, y, z]) if [x, y, z].iter().all(|edge| edge.is_finite() && *edge >= 0.0) => {
             Ok(Some([x, y, z]))
         }
-        _ if boundaries.open || boundaries.edges.is_some() => Ok(None),
-        _ => bail!(
-            "'##PERIODIC::{}' must be followed by the three edges of the box; mend the line, or \
-             give --box or --open",
-            short(text)
-        ),
+        _ if boundaries.replace_box() => Ok(None),
+        _ => bail!("the three edges of the box are expected; mend them, or give --box or --open"),
     }
 }
 
@@ -155,22 +145,12 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
     let by_numbers = options.columns.and_then(|chosen| chosen.numbers());
     if numeric || by_numbers.is_some_and(|places| places.into_iter().all(at)) {
         let columns = unnamed(count, options, comments.edges.is_some(), &place)?;
-        let chosen = options.columns.is_some_and(|chosen| chosen.axes());
-        let assumed = !chosen && comments.edges.is_none();
-        // pandas writes such numbers as the header of a table without names.
-        if count > 2
-            && separator.cells(line).enumerate().all(|(k, cell)| step_of(cell) == Some(k as i64))
-        {
-            comments.notices.push(Notice::Assumed(format!(
-                "{place}: the line counts the columns, and is read as a particle; remove it if it \
-                 is a header"
-            )));
-        }
+        let assumed = !options.axes_chosen() && comments.edges.is_none();
         return Ok(Table { columns, assumed, is_row: true, ..table });
     }
     ensure!(
         separator == Separator::Blanks || !words(line).all(is_decimal_comma),
-        "{place}: the numbers have decimal commas, which are not read: write points"
+        "{place}: the numbers have decimal commas: write points"
     );
     let header = named(whole);
     let text = lines.line();
@@ -181,17 +161,18 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
     let cut = text.get(whole.len()..).unwrap_or_default();
     // The sign in a name such as `Spot #` has separators after it, unlike a comment.
     let in_cut = matches!(of_text, Separator::One(c) if cut.contains(&c));
-    let sound = |header: Columns| header.chosen("", options).is_ok_and(|it| it.has_places());
+    let sound =
+        |header: Columns| header.chosen("", options.columns).is_ok_and(|it| it.has_places());
     if in_cut && (of_text == separator || !sound(header.clone())) {
-        let columns = named(text).chosen(&place, options)?;
+        let columns = named(text).chosen(&place, options.columns)?;
         return Ok(Table { columns, separator: of_text, ..table });
     }
     ensure!(
         header.has_places() || separator.cells(line).filter(|cell| is_number(cell)).count() < 2,
-        "{place}: the first line has numbers instead of names of columns; add a header line such \
-         as x,y,z,r, or assign the columns: --columns x=1,y=2 and so on"
+        "{place}: the first line has numbers instead of names of columns; add a header such as \
+         x,y,z,r, or assign the columns: --columns x=1,y=2 and so on"
     );
-    Ok(Table { columns: header.chosen(&place, options)?, ..table })
+    Ok(Table { columns: header.chosen(&place, options.columns)?, ..table })
 }
 
 fn unnamed(
@@ -200,9 +181,8 @@ fn unnamed(
     is_packing: bool,
     place: &str,
 ) -> anyhow::Result<Columns> {
-    if options.columns.is_some_and(|chosen| chosen.axes()) {
-        let names = (1..=count).map(|k| format!("column {k}"));
-        return Columns::named(names).chosen(place, options);
+    if options.axes_chosen() {
+        return Columns::numbered(count).chosen(place, options.columns);
     }
     let names = match (count, options) {
         (2, _) => "x y",
@@ -210,16 +190,11 @@ fn unnamed(
         (3, Options { dim: Some(3), .. } | Options { radius: Some(_), .. }) => "x y z",
         (4, _) => "x y z r",
         (5, _) if is_packing => "x y z r clumpId",
-        (3, _) => bail!(
-            "{place}: three columns without a header may be x,y,z or x,y,r; put a header line \
-             before them"
-        ),
         _ => bail!(
-            "{place}: {count} columns without a header; add a header line such as x,y,z,r, or \
-             assign the columns: --columns x=1,y=2 and so on{}{}",
-            if count == 5 { " (a packing of YADE: --columns x=1,y=2,z=3,r=4)" } else { "" },
+            "{place}: {count} columns without a header; add one such as x,y,z,r, or assign the \
+             columns: --columns x=1,y=2 and so on{}",
             if count.is_multiple_of(2) { DECIMAL_COMMAS } else { "" }
         ),
     };
-    Columns::named(names.split(' ')).chosen(place, options)
+    Columns::of(names).chosen(place, options.columns)
 }

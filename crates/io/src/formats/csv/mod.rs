@@ -18,16 +18,16 @@
 mod header;
 mod split;
 
-use anyhow::{anyhow, ensure};
+use anyhow::{bail, ensure};
 pub(crate) use split::{maybe_frames, names_a_frame};
 
-use crate::columns::counted::Counted;
-use crate::formats::Opened;
+use crate::columns::Columns;
 use crate::formats::csv::header::Table;
 use crate::frames::{Choice, Reader, Step};
-use crate::particles::{Columns, Particles, loaded};
+use crate::options::{Opened, Options};
+use crate::particles::{Loaded, Particles, loaded};
 use crate::raw::lines::{Lines, Separator, Source, is_comment, number, uncommented};
-use crate::{Loaded, Notice, Options, RadiusSource};
+use crate::types::{RadiusSource, assumed};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Csv { lines: Lines::new(source), options, table: None })
@@ -137,17 +137,16 @@ impl Table {
         let names = &self.columns.names;
         let mut notices = self.notices.clone();
         if self.assumed {
-            match particles.counted() {
-                None => {}
-                Some(Counted::Graph) => notices.push(Notice::Assumed(
-                    "the first of two columns counts the particles: is it x?".into(),
-                )),
-                Some(which) => return Err(counted(which, &particles, names, name)),
+            if let Some(which) = particles.numbered_column() {
+                bail!(
+                    "{name}: the {which} of the columns without names counts the particles; assign \
+                     the columns: --columns x=K,y=K and so on"
+                );
             }
-            notices.push(Notice::Assumed(format!(
+            notices.push(assumed!(
                 "the columns have no names and are read as {}; --columns changes this",
                 names.join(", ")
-            )));
+            ));
         }
         let (mut particles, mut about) = loaded(self.format, particles, radius);
         if let Some(split) = &self.split {
@@ -173,14 +172,7 @@ fn row(
     let bare = uncommented(whole);
     let shorn = separator.shorn(bare);
     let mut push = |line: &[u8]| {
-        let between = || {
-            let quoted = if line.contains(&b'"') {
-                "; a text in quotes ends on the line on which it begins"
-            } else {
-                ""
-            };
-            format!(", separated by {}; mend or remove the line{quoted}", separator.name())
-        };
+        let between = || format!(", separated by {}; mend or remove the line", separator.name());
         columns.push(particles, separator.cells(line), || lines.place(), between)
     };
     let [usual, other] = if *trailing { [shorn, bare] } else { [bare, shorn] };
@@ -193,28 +185,4 @@ fn row(
         return Ok(());
     }
     Err(error)
-}
-
-fn counted(which: Counted, particles: &Particles, names: &[String], file: &str) -> anyhow::Error {
-    let (all, first) = (names.len(), which == Counted::First);
-    let chosen = |names: &[&str]| -> String {
-        let at = names.iter().zip(1..).map(|(name, k)| format!("{name}={k}"));
-        at.collect::<Vec<_>>().join(",")
-    };
-    let taken: Vec<&str> = names.iter().map(String::as_str).collect();
-    let one = |radii: &[f64]| radii.iter().all(|radius| *radius == radii[0]);
-    let meant = match (first, &particles.radii) {
-        // If the last of four columns is constant, it is a size.
-        (true, Some(radii)) if all == 4 && one(radii) => vec!["id", "x", "y", "r"],
-        (true, _) => [&["id"], &taken[..all - 1]].concat(),
-        _ => [&taken[..all - 1], &["id"]].concat(),
-    };
-    anyhow!(
-        "{file}: the {} of {all} columns without names counts the particles, and is taken for \
-         '{}'; say which column is which: --columns {}, or --columns {} if it is that",
-        if first { "first" } else { "last" },
-        taken[if first { 0 } else { all - 1 }],
-        chosen(&meant),
-        chosen(&taken)
-    )
 }

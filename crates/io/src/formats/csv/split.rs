@@ -8,10 +8,10 @@ use std::cmp::Ordering;
 
 use anyhow::{bail, ensure};
 
-use crate::columns::units;
-use crate::particles::{Column, Columns};
+use crate::columns::{Column, Columns, units};
+use crate::options::Options;
 use crate::raw::lines::{Lines, among, number, short, shown, step_of};
-use crate::{Notice, Options};
+use crate::types::{Notice, assumed};
 
 /// Names of splitting columns, in lower case and without signs.
 const NAMES: [(Kind, &str); 3] = [
@@ -53,10 +53,7 @@ pub(crate) fn maybe_frames(unused: &[String], table: bool) -> Option<Notice> {
         true => format!("--columns frame={name} splits the rows"),
         false => "save one array of shape (frames, N, 3), or a table with that column".into(),
     };
-    Some(Notice::Assumed(format!(
-        "'{name}' is not used, so all particles belong to one time; if it distinguishes times, \
-         {remedy}"
-    )))
+    Some(assumed!("'{name}' is not used: all particles are of one time; if it has times, {remedy}"))
 }
 
 /// Whether a comment starts with the name of a frame, a step or a time and contains a number, as in
@@ -92,8 +89,8 @@ impl Blocks {
     pub fn row(&mut self) -> anyhow::Result<()> {
         if let Some((comment, place)) = &self.named {
             bail!(
-                "{place}: the comment '{}' among the rows may begin another frame; write the frame \
-                 as a column, or give --columns frame=none if all rows belong to one time",
+                "{place}: the comment '{}' may begin another frame; write the frame as a column, or \
+                 give --columns frame=none",
                 short(comment)
             );
         }
@@ -103,12 +100,12 @@ impl Blocks {
     }
 
     pub fn notice(&self) -> Option<Notice> {
-        (self.more > 0 && self.rows > self.more + 1).then(|| {
-            Notice::Assumed(format!(
-                "blank lines or comments divide the rows into {} blocks, and all are taken as of \
-                 one time; if each block is a frame, write the frame as a column",
-                self.more + 1
-            ))
+        let blocks = self.more + 1;
+        (self.more > 0 && self.rows > blocks).then(|| {
+            assumed!(
+                "blank lines or comments divide the rows into {blocks} blocks, which are taken as \
+                 one; if each is a frame, write the frame as a column"
+            )
         })
     }
 }
@@ -141,16 +138,13 @@ impl Split {
     /// Splits by this column. If no column is named id, one in [`IDS`] is used as ids.
     pub fn new(column: usize, columns: &mut Columns, options: Options) -> anyhow::Result<Split> {
         let name = columns.names[column].clone();
-        ensure!(
-            columns.meaning[column] == Column::Other,
-            "the column '{}' holds something else already, and cannot split the rows into frames",
-            short(&name)
-        );
+        let is_free = columns.meaning[column] == Column::Other;
+        ensure!(is_free, "the column '{}' cannot hold the frames, too", short(&name));
         let chosen = options.columns.is_some_and(|chosen| chosen.by_frame());
         let kind = kind(&name).unwrap_or(Kind::Frame);
         let beside = [Kind::Step, Kind::Time]
             .map(|it| place(columns, it).filter(|&k| k != column).map(|k| (k, None)));
-        if !columns.meaning.contains(&Column::Id) && !options.columns.is_some_and(|it| it.axes()) {
+        if !columns.meaning.contains(&Column::Id) && !options.axes_chosen() {
             let is_id = |name: &String| among(IDS, &plain(name));
             let ids = columns.names.iter().zip(&mut columns.meaning);
             let mut ids = ids.filter(|(name, it)| **it == Column::Other && is_id(name));
@@ -175,8 +169,8 @@ impl Split {
             let value = number(cell);
             ensure!(
                 !cell.is_empty() && value.is_none_or(f64::is_finite),
-                "{}: column '{}': '{}' is not a frame, step or time; correct or remove the line, \
-                 or give --columns frame=none",
+                "{}: column '{}': '{}' is no frame, step or time; mend the line, or give --columns \
+                 frame=none",
                 place(),
                 short(&self.name),
                 shown(cell)
@@ -200,9 +194,8 @@ impl Split {
         if *self.order.get_or_insert(order) != order {
             bail!(
                 "{}: the rows are not sorted by '{name}', which splits them into frames: '{}' \
-                 comes after '{}'; sort them by that column (sort -s -g -k {}, for commas with -t \
-                 , or sort_values in pandas), or give --columns frame=none if it does not mark \
-                 frames",
+                 comes after '{}'; sort them by that column (sort -s -g -k {}), or give --columns \
+                 frame=none",
                 place(),
                 shown(cell),
                 shown(&self.value),
@@ -242,10 +235,8 @@ impl Split {
         let value = step_of(&self.value).filter(|_| self.kind == Kind::Frame)?;
         let other = u64::try_from(value).ok() != Some(index);
         other.then(|| {
-            Notice::Assumed(format!(
-                "frames are numbered from 0, so frame {index} is that with {value} in '{}'",
-                short(&self.name)
-            ))
+            let name = short(&self.name);
+            assumed!("frames are numbered from 0: frame {index} is that with {value} in '{name}'")
         })
     }
 }

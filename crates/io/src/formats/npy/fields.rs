@@ -3,10 +3,11 @@
 use anyhow::{Context, bail, ensure};
 
 use super::Header;
-use crate::Options;
-use crate::particles::{Column, Columns, Rows};
+use crate::columns::{Column, Columns};
+use crate::options::Options;
 use crate::raw::lines::{Source, short};
 use crate::raw::scalars::Kind;
+use crate::rows::Rows;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Field {
@@ -94,11 +95,11 @@ pub fn records(source: &mut Source<'_>, header: &Header, options: Options) -> an
             *meaning = Column::Other;
         }
     }
-    let mut columns = columns.chosen(name, options)?;
+    let mut columns = columns.chosen(name, options.columns)?;
     let particles = columns.particles(name, options).with_context(remedy)?;
     let mut all = Rows { columns, particles };
     let fields: Vec<_> = fields.iter().map(|field| (field.number, field.width)).collect();
-    let read = all.push_records(source, "record", rows, &fields)?;
+    let read = all.push_records(source, rows, &fields)?;
     ensure!(read == rows, "{name} ends before the {rows} records that its header announces");
     Ok(all)
 }

@@ -3,12 +3,11 @@
 use anyhow::{Context, bail, ensure};
 
 use super::{Header, any_header, particles, records};
-use crate::columns::counted::Counted;
-use crate::formats::{Indexed, Opened};
+use crate::formats::Indexed;
 use crate::frames::{Choice, Reader, Step};
-use crate::particles::loaded;
+use crate::options::{Opened, Options};
+use crate::particles::{Loaded, loaded};
 use crate::raw::lines::Source;
-use crate::{Loaded, Options};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Indexed::<Header>::new(source, options))
@@ -73,10 +72,9 @@ fn frame(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::
     );
     let (particles, radius) = particles(source, header, options)?;
     // If the user gives the dimension, columns that count the particles are accepted.
-    let which = match particles.counted().filter(|_| options.dim.is_none()) {
-        Some(Counted::First) => "first column counts the particles, and is taken for x",
-        Some(Counted::Last) => "last column counts the particles, and is taken for the radius",
-        None | Some(Counted::Graph) => return Ok(loaded("NumPy npy", particles, radius)),
-    };
-    bail!("{}: the {which}; leave it out, or give --dim 3 if it is that", source.name)
+    if let Some(which) = particles.numbered_column().filter(|_| options.dim.is_none()) {
+        let name = source.name;
+        bail!("{name}: the {which} column counts the particles; leave it out, or give --dim 3");
+    }
+    Ok(loaded("NumPy npy", particles, radius))
 }

@@ -13,12 +13,14 @@ mod fields;
 mod frames;
 mod header;
 
-use anyhow::{bail, ensure};
+use anyhow::{Context, bail, ensure};
 
-use crate::particles::{Column, Particles};
+use crate::columns::Column;
+use crate::options::Options;
+use crate::particles::Particles;
 use crate::raw::lines::Source;
 use crate::raw::room::{numbered, room};
-use crate::{Options, RadiusSource};
+use crate::types::RadiusSource;
 pub use fields::records;
 pub use frames::frames;
 pub use header::MAGIC;
@@ -48,7 +50,7 @@ pub fn particles(
         "{name}: the type {} is not read; convert with .astype('f8')",
         header.descr
     );
-    numbered(rows, "particles", name)?;
+    numbered(rows, "particles").with_context(|| name.to_string())?;
     let (mut particles, radius) = of_rows(columns, options);
     let (dim, has_radii) = (particles.dim(), particles.has_radii());
     let checked = |value: f64, row: u64, column: usize| {
@@ -126,12 +128,7 @@ pub fn list(
     let mut list = Vec::new();
     let name = source.name;
     header.values(source, header.count(), |row, value| {
-        let value = match column {
-            Column::Axis(_) if value.is_finite() => Ok(value),
-            Column::Axis(_) => Err("is not a finite number"),
-            _ => column.size(value),
-        };
-        let value = value.map_err(|why| {
+        let value = column.value(value).map_err(|why| {
             anyhow::anyhow!(
                 "{name}: particle {row} (from 0): a number of '{label}' {why}; mend or remove it"
             )

@@ -2,11 +2,12 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::boxes::{self, Declared};
+use crate::boxes;
+use crate::columns::Column;
 use crate::formats::npy::{self, Header};
-use crate::particles::Column;
+use crate::options::Options;
 use crate::raw::lines::{Source, among, short};
-use crate::{Notice, Options};
+use crate::types::{Declared, Notice};
 
 const BOXES: &str = "box cell lattice l boxsize box_size boxlength box_length box_lengths";
 const FLAGS: &str = "pbc periodic periodicity";

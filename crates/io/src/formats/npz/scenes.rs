@@ -4,15 +4,18 @@ use anyhow::{Context, bail, ensure};
 
 use super::boxes::Cell;
 use super::members;
+use crate::columns::Column;
+use crate::columns::chosen::Chosen;
+use crate::formats::Indexed;
 use crate::formats::npy::{self, Header};
-use crate::formats::{Indexed, Opened};
 use crate::frames::{Choice, Reader, Step};
-use crate::particles::{Column, Particles, loaded, unused_sizes};
-use crate::raw::arrays::one_of;
+use crate::options::{Opened, Options};
+use crate::particles::sizes::{Ids, Size, one_of};
+use crate::particles::{Loaded, Particles, loaded, unused_sizes};
 use crate::raw::lines::{Source, short};
 use crate::raw::room::{room, room_for};
-use crate::raw::scalars::{Ids, Kind, Size};
-use crate::{About, Chosen, Loaded, Notice, Options, RadiusSource};
+use crate::raw::scalars::Kind;
+use crate::types::{About, Notice, RadiusSource};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Indexed::<Scenes>::new(source, options))
@@ -306,7 +309,7 @@ fn of_frame(
         ),
     }
     for (k, radius) in radii.iter_mut().enumerate() {
-        let of = size.column.size(*radius);
+        let of = size.column.value(*radius);
         *radius = of.map_err(|why| {
             anyhow::anyhow!("particle {k} (from 0): '{}': {radius} {why}", short(&size.label))
         })?;

@@ -16,13 +16,24 @@ mod comment;
 use anyhow::{Context, bail, ensure};
 use comment::Comment;
 
-use crate::formats::Opened;
+use crate::boxes;
+use crate::boxes::Boundaries;
+use crate::columns::{Column, Columns};
 use crate::frames::Framed;
-use crate::particles::{Column, Columns};
+use crate::options::{Opened, Options};
+use crate::particles::Loaded;
 use crate::raw::lines::{Lines, Source, number, short, shown, step_of, words};
-use crate::{About, Boundaries, Declared, Loaded, Notice, Options, boxes};
+use crate::types::{About, Declared, Notice};
 
 const MOST_COLUMNS: usize = 10_000;
+
+/// Whether the first line is one whole number.
+pub fn tells(head: &[u8]) -> bool {
+    let first = head.split(|&b| b == b'\n').next().unwrap_or_default();
+    let mut cells = words(first).map(number);
+    let count = cells.next().flatten().filter(|n| *n >= 0.0 && n.fract() == 0.0);
+    count.is_some() && cells.next().is_none() && !head.contains(&0)
+}
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Xyz { lines: Lines::new(source), options, count: None })

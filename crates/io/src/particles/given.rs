@@ -1,7 +1,7 @@
 use anyhow::bail;
 
 use crate::boxes::along;
-use crate::{Notice, RadiusSource};
+use crate::types::{Notice, RadiusSource};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::Periodic;
 use contactbench_ground::periodic::{LoadError, Loaded};
@@ -21,13 +21,8 @@ pub struct Given {
 
 impl<S: Into<AnyScene<'static>>> From<S> for Given {
     fn from(scene: S) -> Given {
-        Given {
-            scene: scene.into(),
-            lattice: None,
-            has_box: false,
-            notices: Vec::new(),
-            source: None,
-        }
+        let (scene, notices) = (scene.into(), Vec::new());
+        Given { scene, lattice: None, has_box: false, notices, source: None }
     }
 }
 

@@ -1,38 +1,10 @@
 //! The frames of a file, and the choice among them.
 
-pub(crate) mod series;
-
 use anyhow::{anyhow, bail, ensure};
 
+use crate::particles::{Loaded, Particles};
 use crate::raw::lines::Lines;
-use crate::{About, Loaded, Notice, Options, Particles};
-
-/// A choice among the frames of a file, which are numbered from 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Frame {
-    /// The only frame; a file with several frames is refused.
-    #[default]
-    Only,
-    Number(u64),
-    Last,
-    All,
-}
-
-impl std::str::FromStr for Frame {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Frame, String> {
-        match text {
-            "last" => Ok(Frame::Last),
-            "first" => Ok(Frame::Number(0)),
-            "all" => Ok(Frame::All),
-            _ => text
-                .parse()
-                .map(Frame::Number)
-                .map_err(|_| "it must be a number from 0, or last, or all".into()),
-        }
-    }
-}
+use crate::types::{Frame, Notice, assumed};
 
 #[derive(Clone, Copy, PartialEq)]
 pub enum Step {
@@ -57,7 +29,7 @@ pub struct Choice {
     whole: u64,
     /// Last line of the frames read so far; 0 if the format has no lines.
     line: u64,
-    torn: Option<String>,
+    pub torn: Option<Notice>,
     pub gzip: bool,
 }
 
@@ -72,13 +44,13 @@ impl Choice {
         self.line = end.map_or(0, |(line, _)| line);
         // Programs end each frame with a line feed. Without one, the last number may be cut.
         if self.seen > 1 && end.is_some_and(|(_, has_feed)| !has_feed) {
-            let why = format!(
+            let why = assumed!(
                 "the last line of frame {} has no line feed: if the file is being written, its \
                  last number may be cut off",
                 self.seen - 1
             );
             match particles {
-                Some(particles) => particles.notices.push(Notice::Assumed(why)),
+                Some(particles) => particles.notices.push(why),
                 None => self.torn = Some(why),
             }
         }
@@ -88,7 +60,8 @@ impl Choice {
         (self.whole, self.line) = (self.seen, lines.at().saturating_sub(1));
     }
 
-    fn with_whole(&self, error: anyhow::Error, name: &str) -> anyhow::Error {
+    /// Adds to an error which frames before it can be read.
+    pub fn with_whole(&self, error: anyhow::Error, name: &str) -> anyhow::Error {
         // If only one frame is allowed, a second frame is an error but no damage.
         if self.whole == 0 || self.through || self.frame == Frame::Only && self.seen > self.whole {
             return error;
@@ -128,8 +101,7 @@ impl Choice {
         let is_first = std::mem::replace(&mut self.seen, index + 1) == 0;
         Ok(match self.frame {
             Frame::Only if !is_first => bail!(
-                "{}: a second frame begins; choose one with --frame 0 (the first) to --frame last, \
-                 or remove the others",
+                "{}: a second frame begins; choose one with --frame 0 (the first) to --frame last",
                 place()
             ),
             Frame::Only | Frame::Last | Frame::All => Step::Keep,
@@ -225,7 +197,7 @@ pub fn chosen<T>(
                     && matches!(choice.frame, Frame::Number(_)) =>
             {
                 let k = choice.end(name)?;
-                let why = format!("frame {k} is whole, and a later one is not: {error:#}");
+                let why = assumed!("frame {k} is whole, and a later one is not: {error:#}");
                 choice.torn = Some(why);
                 break;
             }
@@ -238,66 +210,4 @@ pub fn chosen<T>(
         }
     }
     Ok((kept, choice.end(name)?))
-}
-
-/// The frames of a particle file. Only one frame is in memory at a time.
-///
-/// Particles keep the order of the file; [`Particles::sort_by_id`] gives all frames the same order.
-/// Each frame has its number and, if the format has one, its time step ([`About`]). The number of
-/// particles, ids and boxes may differ between frames.
-pub struct Frames<'a> {
-    pub(super) reader: Box<dyn Reader<Loaded> + 'a>,
-    pub(super) choice: Choice,
-    pub(super) name: &'a str,
-    pub(super) options: Options,
-    pub(super) ended: bool,
-}
-
-impl Frames<'_> {
-    pub(super) fn chosen(mut self) -> anyhow::Result<Loaded> {
-        let (kept, frame) = self.one()?;
-        self.finished(kept, frame)
-    }
-
-    pub(super) fn raw(mut self) -> anyhow::Result<Loaded> {
-        self.one().map(|(kept, _)| kept)
-    }
-
-    fn one(&mut self) -> anyhow::Result<((Particles, About), u64)> {
-        let Frames { reader, choice, name, .. } = self;
-        let (kept, frame) = chosen(&mut **reader, choice, name)?;
-        let Some(mut kept) = kept else {
-            bail!("{name} holds no frame of particles; is it of another format?")
-        };
-        if let Some(why) = choice.torn.take() {
-            kept.0.notices.push(Notice::Assumed(why));
-        }
-        Ok((kept, frame))
-    }
-
-    fn finished(
-        &self,
-        (particles, about): (Particles, About),
-        frame: u64,
-    ) -> anyhow::Result<Loaded> {
-        let (gzip, frames) = (self.choice.gzip, self.choice.seen.max(1));
-        let name = about.file.clone().unwrap_or_else(|| self.name.to_string());
-        crate::finished(particles, About { gzip, frames, frame, ..about }, &name, self.options)
-    }
-}
-
-impl Iterator for Frames<'_> {
-    type Item = anyhow::Result<Loaded>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.ended {
-            return None;
-        }
-        let next = self.reader.next(&mut self.choice).transpose()?;
-        let next = next.map_err(|error| self.choice.with_whole(error, self.name));
-        let frame = self.choice.seen.saturating_sub(1);
-        let next = next.and_then(|read| self.finished(read, frame));
-        self.ended = next.is_err();
-        Some(next)
-    }
 }

@@ -5,12 +5,15 @@
 //! cells that are one point each. Points joined by polygons or larger cells are refused. Format:
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtk_legacy_file_format.html>.
 
+mod arrays;
+
 use anyhow::{Context, bail, ensure};
 
-use crate::raw::arrays::{Arrays, Cells, Of};
-use crate::raw::lines::{Lines, Source, short, shown, texts};
-use crate::raw::scalars::{Kind, Target};
-use crate::{Loaded, Options};
+use crate::options::Options;
+use crate::particles::Loaded;
+use crate::raw::lines::{Lines, Source, among, short, shown, texts};
+use crate::raw::scalars::Kind;
+use arrays::{Arrays, Cells, Of, Target};
 
 pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     let mut file = Vtk {
@@ -22,21 +25,13 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
         of: Of::Nothing,
         tuples: 0,
     };
-    file.lines.advance()?;
-    file.lines.advance()?;
-    ensure!(
-        file.lines.advance()?,
-        "{} is cut off in its header; write it again",
-        file.lines.source.name
-    );
+    for _ in 0..3 {
+        file.lines.advance()?;
+    }
     file.binary = match file.lines.line() {
         b"ASCII" => false,
         b"BINARY" => true,
-        _ => bail!(
-            "{}: '{}' is neither ASCII nor BINARY",
-            file.lines.place(),
-            short(&file.lines.text())
-        ),
+        other => bail!("{}: '{}' is neither ASCII nor BINARY", file.lines.place(), shown(other)),
     };
     while file.lines.advance_over_blanks()? {
         let words = texts(file.lines.line());
@@ -68,12 +63,9 @@ impl Vtk<'_> {
         let place = self.lines.place();
         match (first, rest) {
             ("DATASET", [kind, ..]) => {
-                const KINDS: [&str; 3] = ["POLYDATA", "UNSTRUCTURED_GRID", "STRUCTURED_GRID"];
-                ensure!(
-                    KINDS.contains(&kind.to_ascii_uppercase().as_str()),
-                    "{place}: a data set of kind {} has no points of its own; write POLYDATA",
-                    short(kind)
-                );
+                let kinds = "POLYDATA UNSTRUCTURED_GRID STRUCTURED_GRID";
+                let (has_points, kind) = (among(kinds, &kind.to_ascii_uppercase()), short(kind));
+                ensure!(has_points, "{place}: a {kind} has no points of its own; write POLYDATA");
             }
             ("POINTS", [n, kind, ..]) => {
                 let n = self.count(n, "the number of points")?;
@@ -139,8 +131,7 @@ impl Vtk<'_> {
                 self.array(Target::Nothing, kind, 4 * n, "LOOKUP_TABLE")?;
             }
             _ => bail!(
-                "{}: '{}' is not a known part of a VTK file; is an array before it too long or too \
-                 short?",
+                "{}: '{}' is no part of a VTK file; is the length of an array before it wrong?",
                 self.lines.place(),
                 short(&self.lines.text())
             ),
@@ -150,18 +141,13 @@ impl Vtk<'_> {
 
     fn scalars(&mut self, name: &str, kind: &str, components: Option<&&str>) -> anyhow::Result<()> {
         let (kind, place) = (self.kind(kind)?, self.lines.place());
-        let components =
-            components.map_or(Some(1), |text| text.parse().ok().filter(|k| (1..=4).contains(k)));
-        let components =
-            components.with_context(|| format!("{place}: SCALARS have 1 to 4 components"))?;
+        let components: u64 = components.map_or(Ok(1), |text| text.parse()).unwrap_or(0);
+        ensure!((1..=4).contains(&components), "{place}: SCALARS have 1 to 4 components");
         let target = self.arrays.target(self.of, name, kind, components, self.options);
-        let target = target.with_context(|| place)?;
-        ensure!(
-            self.lines.advance()?
-                && self.lines.line().to_ascii_uppercase().starts_with(b"LOOKUP_TABLE"),
-            "{}: a line LOOKUP_TABLE is expected behind SCALARS",
-            self.lines.place()
-        );
+        let target = target.with_context(|| place.clone())?;
+        self.lines.advance()?;
+        let is_table = self.lines.line().to_ascii_uppercase().starts_with(b"LOOKUP_TABLE");
+        ensure!(is_table, "{place}: a line LOOKUP_TABLE is expected behind SCALARS");
         self.array(target, kind, components.saturating_mul(self.tuples), name)
     }
 
@@ -170,8 +156,7 @@ impl Vtk<'_> {
         let long = |text: &&&str| text.parse::<u64>().is_ok_and(|n| n > 1);
         match sizes.iter().filter(long).count() {
             0 | 1 => {}
-            2 => self.arrays.cells.faces += 1,
-            _ => self.arrays.cells.bodies += 1,
+            _ => self.arrays.cells.faces += 1,
         }
     }
 
@@ -181,22 +166,15 @@ impl Vtk<'_> {
 
     fn kind(&self, name: &str) -> anyhow::Result<Kind> {
         Kind::named(name).with_context(|| {
-            format!(
-                "{}: numbers of type '{}' are not read; write float or double",
-                self.lines.place(),
-                short(name)
-            )
+            let (place, name) = (self.lines.place(), short(name));
+            format!("{place}: numbers of type '{name}' are not read; write float or double")
         })
     }
 
     fn same_number(&self, n: &str) -> anyhow::Result<()> {
         let n = self.lines.count(n.as_bytes(), "the number of points")?;
-        ensure!(
-            n == self.points,
-            "{}: data of {n} points, but there are {} POINTS; write it again",
-            self.lines.place(),
-            self.points
-        );
+        let (place, points) = (self.lines.place(), self.points);
+        ensure!(n == points, "{place}: data of {n} points, but there are {points} POINTS");
         Ok(())
     }
 
@@ -210,13 +188,9 @@ impl Vtk<'_> {
         let (what, name) = (short(what), self.lines.source.name);
         if self.binary {
             let place = self.lines.place();
-            let whole = target
-                .take(&mut self.lines.source, kind, true, count)
-                .with_context(|| format!("{place}: {what}"))?;
-            ensure!(
-                whole,
-                "{name} ends before the {count} numbers of {what} that it announces; write it again"
-            );
+            let whole = target.take(&mut self.lines.source, kind, count);
+            let whole = whole.with_context(|| format!("{place}: {what}"))?;
+            ensure!(whole, "{name} ends before the {count} numbers of {what} that it announces");
             return self.arrays.keep(target, name);
         }
         self.lines.end_line();
@@ -226,13 +200,15 @@ impl Vtk<'_> {
                 return Err(error.context(format!("{}: {what}", self.lines.place_of_word())));
             }
         }
-        let rest = shown(self.lines.rest());
-        ensure!(
-            rest.is_empty(),
-            "{}: '{rest}' stands behind the {count} numbers of {what}",
-            self.lines.place()
-        );
+        let (place, rest) = (self.lines.place(), shown(self.lines.rest()));
+        ensure!(rest.is_empty(), "{place}: '{rest}' stands behind the {count} numbers of {what}");
         self.arrays.keep(target, name)
+    }
+
+    fn next_line(&mut self, what: &str) -> anyhow::Result<()> {
+        let more = self.lines.advance_over_blanks()?;
+        ensure!(more, "{} is cut off in {what}; write it again", self.lines.source.name);
+        Ok(())
     }
 
     fn skip(&mut self, kind: &str, components: u64, what: &str) -> anyhow::Result<()> {
@@ -241,12 +217,8 @@ impl Vtk<'_> {
     }
 
     fn field(&mut self) -> anyhow::Result<()> {
-        let name = self.lines.source.name;
         loop {
-            ensure!(
-                self.lines.advance_over_blanks()?,
-                "{name} is cut off in a FIELD; write it again"
-            );
+            self.next_line("a FIELD")?;
             // METADATA belongs to the array before it and is skipped.
             if !self.lines.line().starts_with(b"METADATA") {
                 break;
@@ -256,18 +228,10 @@ impl Vtk<'_> {
         let place = self.lines.place();
         let words = texts(self.lines.line());
         let [label, components, tuples, kind] = &words[..] else {
-            bail!(
-                "{place}: '{}' is not of the form 'name components tuples type'",
-                short(&self.lines.text())
-            )
+            bail!("{place}: an array begins with a line 'name components tuples type'")
         };
         let components = self.lines.count(components.as_bytes(), "a number of components")?;
         let tuples = self.lines.count(tuples.as_bytes(), "a number of tuples")?;
-        ensure!(
-            kind != "string",
-            "{place}: texts in a FIELD are not read; remove the array '{}'",
-            short(label)
-        );
         let kind = self.kind(kind)?;
         let of = if tuples == self.tuples { self.of } else { Of::Nothing };
         let target = self.arrays.target(of, label, kind, components, self.options);
@@ -288,18 +252,17 @@ impl Vtk<'_> {
         };
         *joining = joining.saturating_add(cells);
         let points = matches!(what, "VERTICES" | "CELLS");
-        let target = if points { Target::indices(old) } else { Target::Nothing };
+        let target = match points {
+            true => Target::Indices { seen: 0, in_order: true, counted: old },
+            false => Target::Nothing,
+        };
         if old {
             return self.array(target, Kind::I32, size, what);
         }
         for (label, count, target) in
             [("OFFSETS", n, Target::Nothing), ("CONNECTIVITY", size, target)]
         {
-            ensure!(
-                self.lines.advance_over_blanks()?,
-                "{} is cut off in {what}; write it again",
-                self.lines.source.name
-            );
+            self.next_line(what)?;
             let words = texts(self.lines.line());
             let kind = match &words[..] {
                 [found, kind] if found == label => self.kind(kind)?,

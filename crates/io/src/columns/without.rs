@@ -4,11 +4,11 @@ use std::str::FromStr;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::Frame;
-use crate::columns::chosen::Word;
-use crate::particles::Columns;
+use super::Columns;
+use super::chosen::Word;
 use crate::raw::lines::{listed, number};
-use crate::raw::room::{room, room_for};
+use crate::raw::room::room;
+use crate::types::Frame;
 
 /// Leaves out contacts of particles with a given value in a column: all of them, or only contacts
 /// with particles of a second value.
@@ -27,25 +27,17 @@ impl FromStr for Without {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Without, String> {
-        const FORM: &str =
-            "write a column and a value, as in type=2, or two values, as in type=1:2";
+        const FORM: &str = "write a column and one or two values, as in type=2 or type=1:2";
         let mut without: Option<Without> = None;
         for piece in text.split(',') {
             let Some((column, values)) = piece.split_once('=') else {
                 return Err(format!("'{piece}' is not of the form type=2; {FORM}"));
             };
             let column = Word::new(column)?;
-            let without = without.get_or_insert(Without {
-                column,
-                values: [None; MOST],
-                with: [0; MOST + 1],
-            });
+            let none = Without { column, values: [None; MOST], with: [0; MOST + 1] };
+            let without = without.get_or_insert(none);
             if without.column != column {
-                return Err(format!(
-                    "'{text}' names the columns {} and {}; name one",
-                    without.column.text(),
-                    column.text()
-                ));
+                return Err(format!("'{text}' names several columns; name one"));
             }
             match values.split(':').collect::<Vec<_>>()[..] {
                 [value] => {
@@ -87,16 +79,11 @@ impl Without {
         let column = columns.names.iter().position(|known| known.trim() == name);
         let column = column.with_context(|| {
             format!(
-                "{place}: --without {name}=...: there is no such column; there are {}: {}",
-                columns.names.len(),
+                "{place}: --without: there is no column {name} among {}",
                 listed(&columns.names)
             )
         })?;
-        let value = |word: &Word| {
-            let text = word.text();
-            let number = number(text.as_bytes());
-            (text, number)
-        };
+        let value = |word: &Word| (word.text(), number(word.text().as_bytes()));
         let values = self.values.iter().flatten().map(value).collect();
         Ok(Groups { without: self, column, values, of: Vec::new() })
     }
@@ -120,12 +107,6 @@ impl Groups {
         let named = self.values.iter().position(same);
         room(&mut self.of)?;
         self.of.push(named.unwrap_or(MOST) as u8);
-        Ok(())
-    }
-
-    pub fn append(&mut self, more: Groups) -> anyhow::Result<()> {
-        room_for(&mut self.of, more.of.len())?;
-        self.of.extend(more.of);
         Ok(())
     }
 

@@ -1,0 +1,229 @@
+//! Reads scenes, or the frames of a file one at a time.
+
+pub mod series;
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Cursor, Read};
+use std::path::Path;
+
+use anyhow::{Context, bail, ensure};
+
+use crate::formats;
+use crate::frames::{self, Choice, Reader};
+use crate::options::Options;
+use crate::particles::{Given, Loaded, Particles};
+use crate::raw::gzip::{self, Unpacking};
+use crate::raw::lines::Source;
+use crate::types::{About, Notice};
+use contactbench_ground::scene::AnyScene;
+
+pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>> {
+    let (particles, _) = load(path, options)?;
+    particles.scene(&path.display().to_string(), options.radius)
+}
+
+pub fn given(path: &Path, options: Options) -> anyhow::Result<Given> {
+    let (particles, _) = load(path, options)?;
+    particles.given(&path.display().to_string(), options.radius)
+}
+
+/// Reads a scene from a stream. `name` is used in messages; `ending` is the file name's ending in
+/// lower case.
+pub fn from(
+    reader: impl BufRead,
+    name: &str,
+    ending: &str,
+    options: Options,
+) -> anyhow::Result<AnyScene<'static>> {
+    let (particles, _) = load_from(reader, name, ending, options)?;
+    particles.scene(name, options.radius)
+}
+
+/// Reads the particles of a file, which need not have radii.
+pub fn load(path: &Path, options: Options) -> anyhow::Result<Loaded> {
+    frames(path, options, |frames| frames.chosen())
+}
+
+/// Calls `body` with the chosen frames of a file, or of the files of a pattern such as `run_*.csv`.
+pub fn frames<T>(
+    path: &Path,
+    options: Options,
+    body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let Some(series) = series::of(path, options)? else {
+        return opened(path, options, body);
+    };
+    options.check()?;
+    let choice = Choice::new(options.frame, options.survey);
+    let (reader, name) = (Box::new(series), &*path.display().to_string());
+    body(Frames { reader, choice, name, options, ended: false })
+}
+
+fn opened<T>(
+    path: &Path,
+    options: Options,
+    body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let name = path.display().to_string();
+    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    let reader = BufReader::with_capacity(1 << 18, file);
+    frames_from(reader, &name, &ending(path), options, body)
+}
+
+fn ending(path: &Path) -> String {
+    let ending = |path: &Path| {
+        let ending = path.extension().unwrap_or_default();
+        ending.to_string_lossy().to_ascii_lowercase()
+    };
+    match (ending(path), path.file_stem()) {
+        (last, Some(stem)) if last == "gz" => ending(Path::new(stem)),
+        (last, _) => last,
+    }
+}
+
+pub fn load_from(
+    reader: impl BufRead,
+    name: &str,
+    ending: &str,
+    options: Options,
+) -> anyhow::Result<Loaded> {
+    frames_from(reader, name, ending, options, |frames| frames.chosen())
+}
+
+pub fn frames_from<T>(
+    reader: impl BufRead,
+    name: &str,
+    ending: &str,
+    options: Options,
+    body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    options.check()?;
+    unpacked(reader, name, |input, unpacking, head, gzip| {
+        ensure!(!head.is_empty(), "{name} is empty");
+        ensure!(
+            !gzip || !head.starts_with(gzip::MAGIC),
+            "{name} is compressed twice; unpack it once"
+        );
+        let source = Source { input, name, unpacking };
+        let reader = formats::find(head, name, ending, options)?.open(source, options);
+        let mut choice = Choice::new(options.frame, options.survey);
+        choice.gzip = gzip;
+        body(Frames { reader, choice, name, options, ended: false })
+    })
+}
+
+/// Calls `body` with the unpacked bytes of a stream, its first bytes (which give the format), and
+/// whether it was compressed.
+pub(crate) fn unpacked<T>(
+    reader: impl BufRead,
+    name: &str,
+    body: impl FnOnce(&mut dyn BufRead, &Unpacking, &[u8], bool) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let head = |reader: &mut dyn BufRead| {
+        let mut head = Vec::new();
+        let read = reader.take(4096).read_to_end(&mut head);
+        read.with_context(|| format!("cannot read {name}"))?;
+        anyhow::Ok(head)
+    };
+    let unpacking = &Unpacking::default();
+    let mut reader = unpacking.file(reader);
+    let packed = head(&mut reader)?;
+    let mut reader = Cursor::new(&packed[..]).chain(reader);
+    if !packed.starts_with(gzip::MAGIC) {
+        return body(&mut reader, unpacking, &packed, false);
+    }
+    let mut reader = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
+    let head = head(&mut reader)?;
+    body(&mut Cursor::new(&head[..]).chain(reader), unpacking, &head, true)
+}
+
+/// The frames of a particle file. Only one frame is in memory at a time.
+///
+/// Particles keep the order of the file; [`Particles::sort_by_id`] gives all frames the same order.
+/// Each frame has its number and, if the format has one, its time step ([`About`]). The number of
+/// particles, ids and boxes may differ between frames.
+pub struct Frames<'a> {
+    reader: Box<dyn Reader<Loaded> + 'a>,
+    choice: Choice,
+    name: &'a str,
+    options: Options,
+    ended: bool,
+}
+
+impl Frames<'_> {
+    fn chosen(mut self) -> anyhow::Result<Loaded> {
+        let (kept, frame) = self.one()?;
+        self.finished(kept, frame)
+    }
+
+    fn raw(mut self) -> anyhow::Result<Loaded> {
+        self.one().map(|(kept, _)| kept)
+    }
+
+    fn one(&mut self) -> anyhow::Result<((Particles, About), u64)> {
+        let Frames { reader, choice, name, .. } = self;
+        let (kept, frame) = frames::chosen(&mut **reader, choice, name)?;
+        let Some(mut kept) = kept else {
+            bail!("{name} holds no frame of particles; is it of another format?")
+        };
+        kept.0.notices.extend(choice.torn.take());
+        Ok((kept, frame))
+    }
+
+    fn finished(
+        &self,
+        (particles, about): (Particles, About),
+        frame: u64,
+    ) -> anyhow::Result<Loaded> {
+        let (gzip, frames) = (self.choice.gzip, self.choice.seen.max(1));
+        let name = about.file.clone().unwrap_or_else(|| self.name.to_string());
+        finished(particles, About { gzip, frames, frame, ..about }, &name, self.options)
+    }
+}
+
+impl Iterator for Frames<'_> {
+    type Item = anyhow::Result<Loaded>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        let next = self.reader.next(&mut self.choice).transpose()?;
+        let next = next.map_err(|error| self.choice.with_whole(error, self.name));
+        let frame = self.choice.seen.saturating_sub(1);
+        let next = next.and_then(|read| self.finished(read, frame));
+        self.ended = next.is_err();
+        Some(next)
+    }
+}
+
+/// Applies the options to the particles as they were read.
+fn finished(
+    mut particles: Particles,
+    mut about: About,
+    name: &str,
+    options: Options,
+) -> anyhow::Result<Loaded> {
+    if let Some(radius) = options.radius {
+        particles.take_radius(radius, &mut about.radius);
+    }
+    particles.in_dim(options.dim).with_context(|| name.to_string())?;
+    if options.without.is_some() {
+        let groups = particles.groups.as_ref().with_context(|| {
+            format!("{name}: --without needs a text with columns, and {} has none", about.format)
+        })?;
+        groups.check(particles.len(), options.frame, name)?;
+    }
+    particles.notices.extend(formats::maybe_frames(about.format, &particles.unused));
+    let (dim, declared) = (particles.dim(), about.declared.as_ref());
+    particles.lattice = options.boundaries.lattice(name, dim, declared, &mut particles.notices)?;
+    particles.has_box = declared.is_some_and(|declared| declared.vectors.is_some());
+    if options.boundaries.unknown(declared) {
+        particles.notices.push(Notice::Boundaries);
+    }
+    if options.dim.is_none() && particles.is_flat() {
+        particles.notices.push(Notice::Flat);
+    }
+    particles.source = Some(about.radius.clone());
+    Ok((particles, about))
+}

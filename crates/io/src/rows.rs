@@ -1,0 +1,208 @@
+//! Particles from the rows of a table: lines with cells, and records of binary files.
+
+use anyhow::{Context, anyhow, ensure};
+
+use crate::columns::{Column, Columns, units};
+use crate::options::Options;
+use crate::particles::{Loaded, Particles, loaded, unused_sizes};
+use crate::raw::lines::{Lines, Separator, Source, decoded, listed, number, short, shown, whole};
+use crate::raw::scalars::Kind;
+use contactbench_terms::number::plural;
+
+pub struct Rows {
+    pub columns: Columns,
+    pub particles: Particles,
+}
+
+pub const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
+
+/// Remedy for row names, which R's write.table writes without a header.
+const ROW_NAMES: &str = "; if the first column has the names of rows and no header, as R's \
+                         write.table writes it, give row.names = FALSE there, or col.names = NA";
+
+impl Columns {
+    pub fn rows(self, place: &str, options: Options) -> anyhow::Result<Rows> {
+        let mut columns = self.chosen(place, options.columns)?;
+        let particles = columns.particles(place, options)?;
+        Ok(Rows { columns, particles })
+    }
+
+    /// Resolves the meaning of all columns, and returns an empty set of particles. A radius from
+    /// the options replaces columns of sizes.
+    pub fn particles(&mut self, place: &str, options: Options) -> anyhow::Result<Particles> {
+        self.leave_out_doubtful_sizes();
+        let mut notices = Vec::new();
+        if let Some(given) = options.radius {
+            let sizes = self.meaning.iter().zip(&self.names).filter(|(it, _)| it.is_size());
+            notices.extend(sizes.map(|(_, name)| unused_sizes(name, given)));
+            self.leave_out_sizes(|_| true);
+        }
+        self.check(place)?;
+        let has_radii = self.meaning.iter().any(|column| column.is_size());
+        let mut particles = Particles::new(2 + usize::from(self.has(Column::Axis(2))), has_radii);
+        let ids = self.meaning.iter().filter(|column| **column == Column::Id).count();
+        particles.ids = (options.ids && ids == 1).then(Vec::new);
+        particles.groups = options.without.map(|it| it.groups(self, place)).transpose()?;
+        let unused = self.meaning.iter().zip(&self.names);
+        let unused = unused.filter(|(meaning, _)| **meaning == Column::Other);
+        particles.unused = unused.map(|(_, name)| name.clone()).collect();
+        particles.notices = notices;
+        Ok(particles)
+    }
+
+    /// Adds the particle of one line. `between` describes the separator, for messages.
+    pub fn push<'a>(
+        &self,
+        particles: &mut Particles,
+        mut cells: impl Iterator<Item = &'a [u8]> + Clone,
+        place: impl Fn() -> String,
+        between: impl Fn() -> String,
+    ) -> anyhow::Result<()> {
+        let (mut point, mut radius, mut id, mut bad) = ([0.0; 3], 0.0, 0, None);
+        let all = cells.clone();
+        for (k, &column) in self.meaning.iter().enumerate() {
+            let Some(cell) = cells.next() else {
+                bad = Some((k, ""));
+                break;
+            };
+            match column {
+                Column::Other => continue,
+                Column::Id if particles.ids.is_none() => continue,
+                // Faulty ids are dropped without an error because they may not be needed.
+                Column::Id => match whole(cell) {
+                    Some(value) => id = value,
+                    None => particles.ids = None,
+                },
+                _ => match (value(column, cell), column) {
+                    (Ok(value), Column::Axis(axis)) => point[axis] = value,
+                    (Ok(value), _) => radius = value,
+                    (Err(why), _) => {
+                        bad = Some((k, why));
+                        break;
+                    }
+                },
+            }
+        }
+        if bad.is_some() || !self.or_more && cells.next().is_some() {
+            return Err(self.fault(all, bad, particles.is_empty(), &between()).context(place()));
+        }
+        if let Some(groups) = &mut particles.groups {
+            groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
+        }
+        particles.push(point, radius, id).with_context(place)
+    }
+
+    /// Returns why a line is no particle: its number of cells, or else that of the `bad` one.
+    fn fault<'a>(
+        &self,
+        mut cells: impl Iterator<Item = &'a [u8]> + Clone,
+        bad: Option<(usize, &str)>,
+        is_first: bool,
+        between: &str,
+    ) -> anyhow::Error {
+        let (count, wanted) = (cells.clone().count(), self.meaning.len());
+        if let Some((k, why)) = bad.filter(|_| count == wanted || self.or_more && count > wanted) {
+            if cells.clone().map(decoded).eq(self.names.iter().cloned()) {
+                return anyhow!("the header is there again; remove the line");
+            }
+            let cell = shown(cells.nth(k).unwrap_or_default());
+            let name = short(&self.names[k]);
+            return anyhow!("column '{name}': '{cell}' {why}; mend or remove the line");
+        }
+        let remedy = match count {
+            _ if count == 2 * wanted => DECIMAL_COMMAS,
+            _ if count == wanted + 1 && is_first => ROW_NAMES,
+            _ => "",
+        };
+        anyhow!("{} where {wanted} are expected{between}{remedy}", plural(count, "column"))
+    }
+}
+
+fn value(column: Column, cell: &[u8]) -> Result<f64, &'static str> {
+    match number(cell) {
+        Some(value) => column.value(value),
+        None if is_decimal_comma(cell) => Err("has a comma: write a decimal point, or nothing"),
+        None if units::is_unit(decoded(cell).trim_matches(['[', ']', '(', ')'])) => {
+            Err("is a unit: write it behind the name, as in 'x [mm]'")
+        }
+        None => Err("is not a number"),
+    }
+}
+
+/// Whether the cell is a number once each comma is a point, or is taken out.
+pub fn is_decimal_comma(cell: &[u8]) -> bool {
+    let text = decoded(cell);
+    let is_number = |text: String| number(text.as_bytes()).is_some();
+    text.contains(',') && (is_number(text.replace(',', ".")) || is_number(text.replace(',', "")))
+}
+
+impl Rows {
+    /// Returns a frame without rows whose columns are `names`, for a file that does not name them.
+    pub fn none(names: &str) -> Rows {
+        Rows { columns: Columns::of(names), particles: Particles::new(3, false) }
+    }
+
+    pub fn read(self, format: &'static str) -> Loaded {
+        loaded(format, self.particles, self.columns.radius())
+    }
+
+    pub fn push(&mut self, line: &[u8], lines: &Lines<'_>) -> anyhow::Result<()> {
+        let Rows { columns, particles } = self;
+        let between = || format!(" ({})", listed(&columns.names));
+        columns.push(particles, Separator::Blanks.cells(line), || lines.place(), between)
+    }
+
+    /// Adds the particles of the next `count` records of a binary file, and returns the number of
+    /// records read. `fields` are the type (`None` if not a number) and size in bytes of each
+    /// column.
+    pub fn push_records(
+        &mut self,
+        source: &mut Source<'_>,
+        count: u64,
+        fields: &[(Option<(Kind, bool)>, usize)],
+    ) -> anyhow::Result<u64> {
+        let mut ends = vec![0];
+        ends.extend(fields.iter().scan(0, |end, (_, width)| {
+            *end += width;
+            Some(*end)
+        }));
+        let mut record = vec![0; ends[fields.len()]];
+        for k in 0..count {
+            if !source.fill(&mut record)? {
+                return Ok(k);
+            }
+            let value = |place: usize| {
+                let (kind, big) = fields[place].0?;
+                Some(kind.get(&record[ends[place]..], big))
+            };
+            self.push_values(k, value)
+                .with_context(|| format!("{}: record {k} (from 0)", source.name))?;
+        }
+        Ok(count)
+    }
+
+    /// Adds the particle of record `k`; `value` returns the number in a column, if there is one.
+    fn push_values(&mut self, k: u64, value: impl Fn(usize) -> Option<f64>) -> anyhow::Result<()> {
+        let Rows { columns, particles } = self;
+        let (mut point, mut radius, mut id) = ([0.0; 3], 0.0, k as i64);
+        for (at, (&column, label)) in columns.meaning.iter().zip(&columns.names).enumerate() {
+            if column == Column::Other || column == Column::Id && particles.ids.is_none() {
+                continue;
+            }
+            let label = || short(label);
+            let value = value(at).with_context(|| format!("'{}' is not a number", label()))?;
+            let checked = column.value(value);
+            let checked = checked.map_err(|why| anyhow!("'{}': {value} {why}", label()))?;
+            match column {
+                Column::Axis(axis) => point[axis] = checked,
+                Column::Id => {
+                    let is_whole = value.fract() == 0.0 && value.abs() < 9e15;
+                    ensure!(is_whole, "'{}': {value} is not a whole number", label());
+                    id = value as i64;
+                }
+                _ => radius = checked,
+            }
+        }
+        particles.push(point, radius, id)
+    }
+}
