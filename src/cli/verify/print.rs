@@ -113,7 +113,6 @@ fn conditions(out: &mut Output, all: &All) {
     let empty = counted(all.matched.without_rows, "frame");
     for (holds, words) in [
         (!others.is_empty(), format!("ignored: {}", pairs::columns_of(&others))),
-        (all.both_sides, "pairs are listed from both sides and counted once".into()),
         (
             contacts + pairs > 0,
             format!(
@@ -122,7 +121,6 @@ fn conditions(out: &mut Output, all: &All) {
                 counted(pairs, "pair")
             ),
         ),
-        (all.walls > 0, format!("left out: {} with walls", counted(all.walls, "contact"))),
         (
             !left_out.is_empty(),
             format!("left out: {without} without a list: {}{more}", left_out.join(" ")),
@@ -138,7 +136,7 @@ fn conditions(out: &mut Output, all: &All) {
         }
     }
     out.values(json!({
-        "walls": all.walls, "left_out_pairs": all.left_out_pairs, "both_sides": all.both_sides,
+        "left_out_pairs": all.left_out_pairs,
     }));
 }
 
