@@ -6,6 +6,8 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
+use contactbench_terms::must;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     pub shard: Shard,
@@ -75,13 +77,9 @@ impl Shard {
             (None, None) => return Err(NO_JOB.into()),
             (job, rank) => (job.unwrap_or(Shard { k: 1, n: 1 }), rank.unwrap_or((0, 1))),
         };
-        match (rank < size, job.n.checked_mul(size)) {
-            (true, Some(n)) => Ok(Shard { k: (job.k - 1) * size + rank + 1, n }),
-            _ => Err(format!(
-                "rank {rank} of {size} is not valid, because ranks count from 0; give \
-                 --shard k/n"
-            )),
-        }
+        let n = job.n.checked_mul(size).filter(|_| rank < size);
+        let shard = n.map(|n| Shard { k: (job.k - 1) * size + rank + 1, n });
+        shard.ok_or_else(|| format!("rank {rank} of {size} is not valid; give --shard k/n"))
     }
 }
 
@@ -130,41 +128,21 @@ fn in_array(
 ) -> Result<Shard, String> {
     let range = number(first).zip(number(last));
     let (step, count) = (number(step).unwrap_or(1).max(1), number(count));
-    if range.is_none() && step != 1 {
-        return Err(format!(
-            "the indices of the job array are {step} apart; number the jobs from 1 on, or give \
-             --shard k/n"
-        ));
+    let length = range.map(|(first, last)| last.saturating_sub(first) / step + 1);
+    let (first, known) = (range.map_or(1, |(first, _)| first), length.or(count));
+    let spaced = range.is_some() || step == 1;
+    must!(spaced, "the indices of the job array are {step} apart; give --shard k/n");
+    let even = length.is_none_or(|length| count.is_none_or(|count| count == length));
+    must!(even, "the indices of the job array are not evenly spaced; give --shard k/n");
+    if let Some((of, jobs)) = of.zip(known) {
+        must!(of == jobs, "auto/{of} was given to {jobs} jobs; give --shard auto or k/{of}");
     }
-    let told = range.map(|(first, last)| last.saturating_sub(first) / step + 1);
-    let first = range.map_or(1, |(first, _)| first);
-    if let (Some(of), Some(told)) = (of, told.or(count))
-        && of != told
-    {
-        return Err(format!(
-            "auto/{of} was given, but the job array has {told} jobs; give --shard auto, or --shard \
-             k/{of} for one of {of}"
-        ));
-    }
-    if let (Some(told), Some(count)) = (told, count)
-        && told != count
-    {
-        return Err(format!(
-            "the job array has {count} indices that are not evenly spaced, so {name}={index} does \
-             not give the part; number them 1-{count}, or give --shard k/{count}"
-        ));
-    }
-    let Some(n) = of.or(told).or(count) else {
-        return Err(format!(
-            "{name}={index} does not give the length of the job array; give --shard auto/n"
-        ));
-    };
-    let k = index.checked_sub(first).map(|k| k / step + 1);
-    k.filter(|&k| k <= n).map(|k| Shard { k, n }).ok_or_else(|| {
-        format!(
-            "{name}={index} is not one of {n} indices from {first} on; number the jobs from \
-             {first}, or give --shard k/n"
-        )
+    let n = of.or(known).ok_or_else(|| {
+        format!("{name}={index} does not give the length of the job array; give --shard auto/n")
+    })?;
+    let k = index.checked_sub(first).map(|k| k / step + 1).filter(|&k| k <= n);
+    k.map(|k| Shard { k, n }).ok_or_else(|| {
+        format!("{name}={index} is not one of {n} indices from {first} on; give --shard k/n")
     })
 }
 
@@ -264,7 +242,7 @@ mod tests {
             (None, &slurm("14", ["2", "20", "4", "5"]), "4/5"),
             (None, &slurm("3", ["1", "9", "1", "3"]), "not evenly spaced"),
             // A lost job of an array, submitted again alone.
-            (Some(16), &slurm("5", ["5", "5", "1", "1"]), "--shard k/16"),
+            (Some(16), &slurm("5", ["5", "5", "1", "1"]), "k/16"),
             // PBS does not set the number of jobs.
             (Some(8), &pbs, "5/8"),
             (None, &pbs, "auto/n"),

@@ -89,6 +89,11 @@ pub fn normal(name: &str) -> String {
     written(name).unwrap_or_else(|_| name.to_string())
 }
 
+/// Whether this program has no detector or tracker of this name.
+pub fn is_lacking(name: &str) -> bool {
+    written(name).is_err()
+}
+
 fn written(name: &str) -> Result<String, TrackerError> {
     let spec = tracker::parse(name)?;
     // A detector without a tracker is not renamed to `every-step(...)`, which does the same.

@@ -77,10 +77,7 @@ fn checked<'a>(
     experiment.detectors = detectors::expand(&experiment.detectors, is_copy)
         .map_err(|words| document.key("detectors", words))?;
     experiment.ratios_to = experiment.ratios_to.as_deref().map(detectors::normal);
-    // In a copy, a group that this program lacks stands for the detectors that it lacks.
-    let lacks = |name: &&String| contactbench_detectors::tracker::parse(name).is_err();
-    let gone: Vec<String> = experiment.detectors.iter().filter(lacks).cloned().collect();
-    resolve_names(&mut experiment, &document, is_copy.then_some(&gone[..]))?;
+    resolve_names(&mut experiment, &document, is_copy)?;
     experiment.check(&document)?;
     for sweep in &mut experiment.scenes {
         scenes::relative_to(sweep, folder).with_context(|| format!("line {}", sweep.line))?;
@@ -104,20 +101,22 @@ fn checked<'a>(
 fn resolve_names(
     experiment: &mut Experiment,
     document: &Document<'_>,
-    gone: Option<&[String]>,
+    is_copy: bool,
 ) -> anyhow::Result<()> {
+    let lacking = experiment.detectors.iter().filter(|name| is_copy && detectors::is_lacking(name));
+    let lacking: Vec<String> = lacking.cloned().collect();
     let runners = experiment.runners.iter().map(|runner| runner.name.clone());
     let known: Vec<String> = experiment.detectors.iter().cloned().chain(runners).collect();
     for (k, claim) in experiment.claims.iter_mut().enumerate() {
         let problem = |words| document.claim(k, words);
-        resolve(&mut claim.filter, gone).map_err(problem)?;
+        resolve(&mut claim.filter, &lacking).map_err(problem)?;
         if let Some(than) = claim.kind.than_mut() {
             name_one(than, "than", &known).map_err(problem)?;
         }
     }
     for (k, figure) in experiment.figures.iter_mut().enumerate() {
         let problem = |words| document.figure(k, words);
-        resolve(&mut figure.filter, gone).map_err(problem)?;
+        resolve(&mut figure.filter, &lacking).map_err(problem)?;
         if let FigureKind::Bars(Bars { to }) = &mut figure.kind {
             name_one(to, "to", &known).map_err(problem)?;
         }
@@ -137,15 +136,17 @@ fn name_one(name: &mut String, key: &str, known: &[String]) -> Result<(), String
     ))
 }
 
-fn resolve(filter: &mut Where, gone: Option<&[String]>) -> Result<(), String> {
+/// Expands groups of detectors. In the copy of a record, a group that this program lacks stands for
+/// the `lacking` detectors, which it lacks, too.
+fn resolve(filter: &mut Where, lacking: &[String]) -> Result<(), String> {
     let Some(list) = filter.get_mut("detector") else { return Ok(()) };
     let mut all = Vec::new();
     for value in list.0.drain(..) {
         match value.as_str() {
             Some(group) if group.starts_with('@') => {
-                let members = match (detectors::members(group), gone) {
-                    (Err(_), Some(gone)) => gone.to_vec(),
-                    (members, _) => members?,
+                let members = match detectors::members(group) {
+                    Err(_) if !lacking.is_empty() => lacking.to_vec(),
+                    members => members?,
                 };
                 all.extend(members.into_iter().map(toml::Value::from));
             }

@@ -24,28 +24,25 @@ pub fn field<'a>(copies: impl Iterator<Item = (&'a str, &'a str)>) -> Value {
 }
 
 pub(crate) fn faults(folder: &Path) -> Vec<Fault> {
-    let provenances = provenance::all(folder);
-    let sums = provenances.iter().filter_map(|it| it.get(FIELD)?.as_object()).flatten();
-    let known: Vec<(&str, &str)> =
-        sums.filter_map(|(name, sum)| Some((name.as_str(), sum.as_str()?))).collect();
-    let copies: BTreeMap<String, PathBuf> = folder::experiments(folder).into_iter().collect();
-    let what = |name: &str| -> Option<String> {
-        let mut sums = known.iter().filter(|(other, _)| *other == name).map(|it| it.1).peekable();
-        let Some(path) = copies.get(name) else { return Some("the copy is missing".into()) };
-        if sums.peek().is_none() {
-            return Some("no provenance has its SHA-256".into());
+    let mut sums: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for provenance in provenance::all(folder) {
+        for (name, sum) in provenance.get(FIELD).and_then(Value::as_object).into_iter().flatten() {
+            sums.entry(name.clone()).or_default().extend(sum.as_str().map(String::from));
         }
+    }
+    let copies: BTreeMap<String, PathBuf> = folder::experiments(folder).into_iter().collect();
+    let names: BTreeSet<&String> = sums.keys().chain(copies.keys()).collect();
+    let what = |name: &String| -> Option<String> {
+        let Some(path) = copies.get(name) else { return Some("the copy is missing".into()) };
+        let Some(known) = sums.get(name) else {
+            return Some("no provenance has its SHA-256".into());
+        };
         let is = std::fs::read(path).map(|text| sha256(&text)).unwrap_or_default();
-        let sum = sums.find(|sum| *sum != is)?;
-        Some(format!(
-            "its SHA-256 is {is}, and by the provenance that of the run is {sum}: it was edited"
-        ))
+        let edited = known.iter().any(|sum| *sum != is);
+        edited.then(|| format!("its SHA-256 is {is}, not that of the provenance: it was edited"))
     };
-    let names = known.iter().map(|(name, _)| *name).chain(copies.keys().map(String::as_str));
-    let names: BTreeSet<&str> = names.collect();
-    let fault = |name| {
-        let place = folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
-        Some(Fault { place: place.display().to_string(), what: what(name)? })
-    };
+    let place = |name: &String| folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
+    let fault =
+        |name: &String| Some(Fault { place: place(name).display().to_string(), what: what(name)? });
     names.into_iter().filter_map(fault).collect()
 }

@@ -1,7 +1,7 @@
 use contactbench_record::cells::state::SLOW;
-use contactbench_record::findings::trust::conditions::{Conditions, Load, percent};
+use contactbench_record::findings::trust::conditions::{Conditions, Load};
 use contactbench_record::record::folder::ledger::{Ledger, Process};
-use contactbench_terms::number::{number, plural};
+use contactbench_terms::number::{number, percent, plural};
 
 pub fn sentence(conditions: &Conditions) -> Option<String> {
     let doubts = &conditions.doubts;

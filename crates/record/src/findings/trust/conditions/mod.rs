@@ -9,7 +9,7 @@ use crate::cells::state::States;
 use crate::record::folder::ledger::{Ledger, Span};
 use crate::record::role::Role;
 use crate::record::row::{Pass, Row};
-use contactbench_terms::number::plural;
+use contactbench_terms::number::{percent, plural};
 
 /// Share of a core that other processes may use on average during a run. If they use more, times
 /// are doubtful, unless [`OTHERS_OF_ALL`] allows it.
@@ -170,11 +170,6 @@ fn worst<'a>(
     let shares = long.map(|span| (&*span.scene, part(span) / span.seconds));
     let much = shares.filter(|(_, share)| *share > IN_A_SCENE * limit);
     much.max_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-pub fn percent(share: f64) -> String {
-    let percent = share * 100.0;
-    if percent < 9.95 { format!("{percent:.1}%") } else { format!("{percent:.0}%") }
 }
 
 /// Finds programs of one name but different contents that one subject used on one machine. Builds
