@@ -1,5 +1,4 @@
-//! Size classes of `streamed-nbs`. They are tested outside of the crate, whose code is then compiled
-//! once.
+//! Size classes of `streamed-nbs`, tested outside of the crate, whose code is then compiled once.
 
 use contactbench_ground::contact::{Bodies, Test, any_bodies};
 use contactbench_ground::scene::{Radii, Scene};
