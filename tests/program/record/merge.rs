@@ -136,6 +136,15 @@ fn what_does_not_belong_together_is_not_merged() {
     };
     changed(&at, "count", pushed, |_| ());
     at.ends(2, "merge a count --out b", &["nbs (exact, packed)", "N = 50", "count"]);
+    // Counts do not depend on the machine, either.
+    let elsewhere = |row: &mut Value| {
+        pushed(row);
+        row["machine"] = "other".into();
+    };
+    changed(&at, "elsewhere", elsewhere, |fields| {
+        (fields["machine"], fields["host"]) = ("other".into(), "other".into());
+    });
+    at.ends(2, "merge a elsewhere --out b", &["nbs (exact, packed)", "N = 50", "count"]);
     changed(&at, "scene", |row| row["stats"]["scene_hash"] = OTHER.into(), |_| ());
     at.ends(2, "merge a scene --out b", &["packed", "N = 50"]);
     // Another experiment, with its own checksum, is not taken for an edit.
