@@ -113,7 +113,7 @@ fn the_lines_come_to_their_places() {
 #[test]
 fn in_an_unexpected_tree_nothing_is_changed_and_the_lines_are_printed() {
     let (at, taken) = (Place::new(), checkout());
-    for module in ["modern", "streamed"] {
+    for module in ["modern", "oracle"] {
         taken.ends(2, &format!("new-detector {module}"), &[module]);
     }
     for (file, old, words) in [

@@ -89,7 +89,9 @@ fn together(rows: &[Row]) -> Vec<(usize, String)> {
         let (hash, good) = (&row.stats.scene_hash, row.outcome == Outcome::Ok);
         let digest = row.digest.as_deref().filter(|_| good);
         let place = (scene.clone(), "digest", &*row.id.arithmetic);
-        digest.map(|digest| votes.entry(place).or_default().entry(digest).or_default().push(k));
+        if let Some(digest) = digest {
+            votes.entry(place).or_default().entry(digest).or_default().push(k);
+        }
         if !hash.is_empty() {
             votes.entry((scene, "scene_hash", "")).or_default().entry(hash).or_default().push(k);
         }
