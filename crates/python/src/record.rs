@@ -85,8 +85,8 @@ fn columns(rows: &[Row]) -> Vec<Column> {
         let numbers = all().map(|row| column.read(row));
         match column.is_whole() {
             // All numbers are below 2^53, or the reader has rounded them.
-            true => whole(column.name, numbers.map(|x| x.map(|x| x as u64))),
-            false => (column.name.into(), "number", Values::Number(numbers.collect())),
+            true => whole(&column.name, numbers.map(|x| x.map(|x| x as u64))),
+            false => (column.name.to_string(), "number", Values::Number(numbers.collect())),
         }
     }));
     columns.extend([

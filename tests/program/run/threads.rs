@@ -33,7 +33,7 @@ fn threaded(n: &str) -> String {
     let told = format!("exec {PROGRAM} runner --detector direct --threads {{threads}}");
     let particular = format!("[ {{threads}} = 2 ] || exit 7; {told}");
     format!(
-        "threads = [1, 2]\nceiling = true\nratios-to = \"nbs\"\nbound = true\ndetectors = \
+        "threads = [1, 2]\nceiling = true\nratios-to = \"nbs\"\ndetectors = \
          [\"direct\", \"nbs\", \"nothing\"]\n[[scene]]\nname = \"packed\"\nn = {n}\n{}{}{}",
         runner("told", "sh", &told),
         runner("particular", "sh", &particular),
@@ -77,7 +77,7 @@ fn threads_are_an_axis_and_copies_run_beside_them() {
     assert_eq!(lines("threads.csv"), 1 + 2 * 2);
     assert_eq!(lines("ratios.csv"), 1 + 2 * (2 + 1 + 1 + 2 + 2 + 1));
     let report = at.read("result/report.md");
-    for words in ["threads gain", "harness adds", "bound"] {
+    for words in ["threads gain", "harness adds"] {
         assert!(report.contains(words), "{words} is not in the report");
     }
 }
