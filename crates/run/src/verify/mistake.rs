@@ -75,15 +75,16 @@ pub fn explain(job: &Job<'_>, found: &Verification) -> anyhow::Result<Option<Rea
         let ties = other.and_then(|other| truth(job.space, other, limit).ok());
         others.extend(ties.map(|ties| (Mistake::Ties { missed }, ties)));
     }
-    // A single spurious pair does not suggest a skin.
-    if errors.missed == 0 && errors.spurious > 1 {
-        let near = within(job.space, found.widest_gap, limit).ok();
-        others.extend(near.map(|near| (Mistake::Skin(found.widest_gap), near)));
-    }
+    // Larger radii come first, because some skin always explains their pairs, too.
     if errors.missed == 0 && errors.widest_false > 1.0 {
         let sized = job.space.resized(|r| (2.0 * r).min(f64::MAX)).ok();
         let wide = sized.and_then(|sized| contacts(&sized, limit).ok());
         others.extend(wide.map(|wide| (Mistake::Diameters, wide.into_iter().collect())));
+    }
+    // A single spurious pair does not suggest a skin.
+    if errors.missed == 0 && errors.spurious > 1 {
+        let near = within(job.space, found.widest_gap, limit).ok();
+        others.extend(near.map(|near| (Mistake::Skin(found.widest_gap), near)));
     }
     for (mistake, contacts) in &others {
         test(*mistake, job.naming, false, contacts)?;
