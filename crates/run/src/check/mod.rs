@@ -7,7 +7,7 @@
 //! a fresh detector is still wrong, and written as a [`regression`] file.
 //!
 //! A detector in another language is a [`process`] that speaks the runner protocol, or a function
-//! of the program that calls this crate. [`verify`] compares a contact list of another program with
+//! of the program that calls this crate. `verify` compares a contact list of another program with
 //! the truth.
 
 pub mod bytes;

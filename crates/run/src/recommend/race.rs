@@ -7,7 +7,7 @@
 //!   memory is measured.
 //! * In each block, each detector takes one sample, in random order; the fastest takes another one
 //!   as its own twin. Each sample has a new process; a block's processes run on one processor.
-//! * Before each block, slow detectors drop out ([`drop_slow`]).
+//! * Before each block, slow detectors drop out (`drop_slow`).
 
 use std::time::{Duration, Instant};
 
