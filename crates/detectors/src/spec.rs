@@ -101,7 +101,7 @@ pub enum SpecError {
     /// A name that is not in the table of detectors.
     #[error(
         "there is no detector '{name}'{}; the detectors are: {}",
-        hint(name, table::all_names()),
+        hint(name, table::all_names().filter(|known| *known != name.as_str())),
         table::names()
     )]
     Unknown {

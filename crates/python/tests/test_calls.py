@@ -32,7 +32,6 @@ def test_numbers_out_of_range_are_value_errors(ask):
         ask()
 
 
-@pytest.mark.xfail(reason="the nearest name is the control itself", strict=False)
 @pytest.mark.parametrize("name", ["nothing", "nbs-twin", "nsb"])
 def test_controls_are_no_detectors(name):
     for ask in (contactbench.Detector, contactbench.Verlet):

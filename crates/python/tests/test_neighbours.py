@@ -1,7 +1,6 @@
 """Neighbour lists, compared with tests of all pairs and images."""
 
 import itertools
-import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -87,18 +86,6 @@ def test_distances_are_those_of_numbers_whose_squares_are_not(scale):
     i, j, d, D = neighbour_list("ijdD", x, cutoff=6.0 * scale, sorted=True)
     np.testing.assert_allclose(d, np.array([3.0, 5.0, 3.0, 4.0, 5.0, 4.0]) * scale, rtol=1e-15)
     np.testing.assert_array_equal(D, x[j] - x[i])
-
-
-@pytest.mark.xfail(reason="arrays no longer ask for large pages", strict=False)
-@pytest.mark.skipif(sys.platform != "linux", reason="reads mappings of Linux")
-def test_a_long_array_lies_in_one_mapping():
-    """The system does not move a mapping that advice has split: growing arrays would be copied."""
-    i = neighbour_list("i", np.zeros((1500, 3)), cutoff=1.0)
-    begin = i.ctypes.data
-    with open("/proc/self/maps") as maps:
-        ranges = [[int(at, 16) for at in line.split()[0].split("-")] for line in maps]
-    assert i.nbytes > 4 << 20
-    assert [low <= begin and begin + i.nbytes <= high for low, high in ranges].count(True) == 1
 
 
 def test_the_order_of_quantities_is_that_of_the_letters():

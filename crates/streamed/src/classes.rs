@@ -2,11 +2,11 @@
 //!
 //! Cells are as wide as the reach of the largest particle in them. So particles of very different
 //! sizes are divided into classes by radius, and each class gets its own grid. Larger particles
-//! then visit the grids of smaller ones ([`super::visits`]).
+//! then visit the grids of smaller ones (`visits.rs`).
 //!
 //! Radii are grouped in bins: an octave (a factor of 2), or a half or a quarter of an octave if
-//! there are many particles ([`Bins`]). Which bins share a grid is chosen to minimise a model of
-//! the work ([`Class::work`]). Larger particles visit each finer class separately, so the work in a
+//! there are many particles (`Bins`). Which bins share a grid is chosen to minimise a model of
+//! the work (`Class::work`). Larger particles visit each finer class separately, so the work in a
 //! class, visits included, depends only on where the class begins and ends. So the best partition
 //! is found bin by bin. Most scenes whose sizes differ by a small factor form one class and are
 //! swept like scenes of one size.
