@@ -1,7 +1,7 @@
 //! Contact detection for discs (2D) and spheres (3D): which pairs touch, decided exactly.
 //!
 //! ```
-//! use crate::{Contacts, contacts};
+//! use contactbench_core::{Contacts, contacts};
 //!
 //! // Three discs of radius 1/2; the first two touch in one point.
 //! let mut centres = vec![[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]];
@@ -11,7 +11,7 @@
 //! let mut detector = Contacts::default();
 //! centres[2] = [2.0, 0.0];
 //! assert_eq!(detector.find(&centres, &[0.5])?.len(), 2);
-//! # Ok::<(), crate::Error>(())
+//! # Ok::<(), contactbench_core::Error>(())
 //! ```
 //!
 //! If particles move little from step to step, as in the discrete element method, a tracker keeps a
