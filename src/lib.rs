@@ -14,7 +14,7 @@
 //! 4. [`experiment`] reads a TOML file; [`run`] measures each detector in a process of its own and
 //!    appends rows to the [`record`].
 //! 5. [`cells`] and [`stats`] summarise rows, [`findings`] judges claims, [`present`] writes the
-//!    report, [`views`] draws scenes, films and traces. [`recommend`] measures one scene.
+//!    report, [`views`] draws scenes and traces. [`recommend`] measures one scene.
 //! 6. [`cli`]: the verbs of the program `contactbench`.
 //!
 //! ```

@@ -18,15 +18,15 @@
 //! list of near pairs and tests only those until the list must be rebuilt ([`track`]):
 //!
 //! ```
-//! use contactbench_ground::contact::Test;
-//! use contactbench_ground::detect::Options;
-//! use contactbench_ground::scene::{AnyScene, Radii, Scene, points};
-//! use contactbench_detectors::tracker;
+//! use contactbench_core::contact::Test;
+//! use contactbench_core::detect::Options;
+//! use contactbench_core::scene::{AnyScene, Radii, Scene, points};
+//! use contactbench_core::track;
 //!
 //! // Two discs of mass 1 fly at each other, and push each other away where they overlap.
 //! let (mut x, mut v) = ([[0.0, 0.0], [1.25, 0.0]], [[0.5, 0.0], [-0.5, 0.0]]);
 //! let (radius, stiffness, dt) = (0.5, 100.0, 0.01);
-//! let mut tracker = tracker::parse("verlet(streamed-nbs,skin=0.2)")?.make(Options::default());
+//! let mut tracker = track::parse("verlet(streamed-nbs,skin=0.2)")?.make(Options::default());
 //! let (mut pairs, mut built) = (Vec::new(), 0);
 //! for _ in 0..100 {
 //!     let frame: AnyScene<'_> = Scene::new(points(&x), Radii::Uniform(radius))?.into();
