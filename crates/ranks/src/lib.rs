@@ -3,7 +3,6 @@
 //! those that one process finds.
 
 pub mod bodies;
-pub mod model;
 #[cfg(feature = "mpi")]
 pub mod mpi;
 pub mod rank;
@@ -167,8 +166,7 @@ where
     let mut rank = Rank::new(world, bodies, lattice)?;
     let mut searcher = searcher(setting);
     let mut contacts = ContactList::default();
-    let mut steps = Vec::new();
-    let mut traffic = Traffic::default();
+    let (mut steps, mut traffic) = (Vec::new(), Traffic::default());
     for step in 0..=setting.steps {
         let times;
         (traffic, times) = timed(world, &mut rank, &mut searcher, &mut contacts)?;
@@ -178,43 +176,34 @@ where
     let memory = rank.formula_bytes(&searcher)
         + contacts.plain.capacity() as u64 * PAIR_BYTES
         + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
-    let found = rank.digest(&contacts);
-    let own = rank.own() as u64;
-    let [n, sent, sent_bytes, contacts, sum] =
-        sums(world, [own, traffic.particles, traffic.bytes, found.contacts, found.sum]);
-    let [own_most, halo_most, sent_bytes_most, partners_most, memory_most] =
-        most(world, [own, rank.halo() as u64, traffic.bytes, traffic.partners, memory]);
-    // The rank that owns the least leaves the most to others.
-    let [others_most] = most(world, [n - own]);
+    let Digest { contacts, sum } = rank.digest(&contacts);
+    let [contacts, sum] = [contacts, sum].map(|number| Over::all(world, number).sum);
+    let own = Over::all(world, rank.own() as u64);
+    let bytes = Over::all(world, traffic.bytes);
     let (along, around) = rank.slabs().direction();
     let found = Whole::of(Digest { contacts, sum });
-    let time = |of: fn(&Times) -> f64| median(&steps.iter().map(of).collect::<Vec<_>>());
-    let alone_over = |of: fn(&Times) -> f64| {
-        let timed = steps.iter().filter(|times| of(times) > 0.0);
-        interval(&timed.map(|times| times.alone / of(times)).collect::<Vec<_>>())
-    };
     Ok(Row {
         scene: String::new(),
-        n,
+        n: own.sum,
         dim: D,
         detector: setting.spec.to_string(),
         kind: "",
         ranks: world.size(),
         along,
         around,
-        own: [n - others_most, own_most],
-        halo_most,
-        sent,
-        sent_bytes,
-        sent_bytes_most,
-        partners_most,
-        step_ms: time(|it| it.step).unwrap_or(0.0),
-        exchange_ms: time(|it| it.exchange).unwrap_or(0.0),
-        search_ms: time(|it| it.search).unwrap_or(0.0),
-        alone_ms: time(|it| it.alone).unwrap_or(0.0),
-        alone_over_step: alone_over(|it| it.step),
-        alone_over_search: alone_over(|it| it.search),
-        memory_most,
+        own: [own.least, own.most],
+        halo_most: Over::all(world, rank.halo() as u64).most,
+        sent: Over::all(world, traffic.particles).sum,
+        sent_bytes: bytes.sum,
+        sent_bytes_most: bytes.most,
+        partners_most: Over::all(world, traffic.partners).most,
+        step_ms: Times::typical(&steps, |it| it.step),
+        exchange_ms: Times::typical(&steps, |it| it.exchange),
+        search_ms: Times::typical(&steps, |it| it.search),
+        alone_ms: Times::typical(&steps, |it| it.alone),
+        alone_over_step: Times::alone_over(&steps, |it| it.step),
+        alone_over_search: Times::alone_over(&steps, |it| it.search),
+        memory_most: Over::all(world, memory).most,
         pairs: found.pairs,
         digest: found.digest,
         whole: None,
@@ -231,6 +220,17 @@ struct Times {
     search: f64,
     /// The search again, while all other ranks wait.
     alone: f64,
+}
+
+impl Times {
+    fn typical(steps: &[Times], of: fn(&Times) -> f64) -> f64 {
+        median(&steps.iter().map(of).collect::<Vec<_>>()).unwrap_or(0.0)
+    }
+
+    fn alone_over(steps: &[Times], of: fn(&Times) -> f64) -> Option<Interval> {
+        let timed = steps.iter().filter(|times| of(times) > 0.0);
+        interval(&timed.map(|times| times.alone / of(times)).collect::<Vec<_>>())
+    }
 }
 
 /// Runs a step; returns this rank's traffic, and the times of all ranks.
@@ -267,14 +267,20 @@ where
     Ok((traffic, Times { step, exchange, search, alone }))
 }
 
-fn sums<const N: usize>(world: &impl World, mut numbers: [u64; N]) -> [u64; N] {
-    world.sum(&mut numbers);
-    numbers
+/// A number over all ranks.
+struct Over {
+    /// The sum, modulo 2^64.
+    sum: u64,
+    least: u64,
+    most: u64,
 }
 
-/// Returns the maxima over the ranks of numbers below 2^53, which are exact in f64.
-fn most<const N: usize>(world: &impl World, numbers: [u64; N]) -> [u64; N] {
-    let mut numbers = numbers.map(|number| number as f64);
-    world.largest(&mut numbers);
-    numbers.map(|number| number as u64)
+impl Over {
+    /// The extremes are exact for numbers below 2^53.
+    fn all(world: &impl World, number: u64) -> Over {
+        let (mut sum, mut ends) = ([number], [number as f64, -(number as f64)]);
+        world.sum(&mut sum);
+        world.largest(&mut ends);
+        Over { sum: sum[0], least: -ends[1] as u64, most: ends[0] as u64 }
+    }
 }

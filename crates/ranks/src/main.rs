@@ -12,7 +12,7 @@ use contactbench_ranks::verb::{Ranks, ranks};
     version,
     bin_name = "contactbench ranks",
     after_help = "Example: contactbench ranks packed:dim=3,n=1e6\nExample: mpirun -n 4 \
-                  contactbench ranks packed:dim=3,n=1e6 --each --model\nExit code 1 if the \
+                  contactbench ranks packed:dim=3,n=1e6 --each\nExit code 1 if the \
                   contacts are not those of one process."
 )]
 struct Cli {

@@ -4,11 +4,10 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crate::model::{FARTHEST, Growth, Network, Step, step};
 use crate::rank::Failure;
 #[cfg(feature = "mpi")]
 use crate::rank::{alike, together};
-use crate::share::{Dealt, Share};
+use crate::share::{self, Share};
 use crate::world::{World, threads};
 use crate::{Row, Setting, Whole, measure, whole};
 use anyhow::{Context, bail, ensure};
@@ -21,7 +20,7 @@ use contactbench::experiment::shard;
 #[cfg(feature = "mpi")]
 use contactbench::io::Place;
 use contactbench::io::write::append;
-use contactbench::number::{number, percent, plural, times, with_interval};
+use contactbench::number::{plural, times, with_interval};
 use contactbench::present::document::{Block, plain};
 use contactbench::present::table::Table;
 #[cfg(feature = "mpi")]
@@ -59,12 +58,6 @@ pub struct Ranks {
     /// Skip the comparison with one process, for scenes too large for one machine
     #[arg(long)]
     unchecked: bool,
-    /// Also predict steps on up to 64 times the measured ranks, at equal load per rank
-    #[arg(long)]
-    model: bool,
-    /// Network of the model: latency in seconds, bytes per second of a rank
-    #[arg(long, value_name = "SECONDS,RATE", default_value = "2e-6,1e9")]
-    network: Network,
     /// Also append a line of JSON per number of ranks to a file
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -101,7 +94,7 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
         let of = |world: &_| -> anyhow::Result<Row> {
             let share = match &given {
                 Some(given) => Share::of(given, World::rank(world), ranks),
-                None => origin.beside(world)?,
+                None => share::beside(&origin, world)?,
             };
             let setting = setting(share.given.scene.len());
             Ok(measure(world, "threads", name, share, setting)?)
@@ -109,8 +102,9 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
         let ended = threads(ranks, of).with_context(|| format!("cannot start {ranks} threads"))?;
         let mut row = first_to_say_why(ended).with_context(|| name.clone())?;
         if !options.unchecked {
-            let all =
-                given.as_ref().map_or_else(|| origin.row(ranks), |given| Ok(given.clone()))?;
+            let all = given
+                .as_ref()
+                .map_or_else(|| share::row(&origin, ranks), |given| Ok(given.clone()))?;
             row.whole = Some(whole(&all, setting(all.scene.len())).context("one process")?);
         }
         rows.push(row);
@@ -136,8 +130,8 @@ fn by_mpi<'a>(
         false => Err(Failure::Unlike("--steps or --each").into()),
     };
     let share = origin.and_then(|origin| match options.each {
-        true => Ok((origin.beside(&world)?, origin)),
-        false => Ok((together(&world, origin.share(rank, size))?, origin)),
+        true => Ok((share::beside(&origin, &world)?, origin)),
+        false => Ok((together(&world, share::part(&origin, rank, size))?, origin)),
     });
     let row = share.and_then(|(share, origin)| {
         if rank == 0 {
@@ -170,7 +164,7 @@ fn by_mpi<'a>(
         return Ok(ExitCode::SUCCESS);
     }
     if !options.unchecked {
-        let all = if options.each { origin.row(size) } else { origin.whole() }?;
+        let all = if options.each { share::row(&origin, size) } else { origin.whole() }?;
         row.whole = Some(whole(&all, setting(all.scene.len())).context("one process")?);
     }
     say(options, &[row])
@@ -216,9 +210,6 @@ fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
     }
     blocks.extend(rows.iter().filter(|row| row.ranks > 1).map(sharing));
     blocks.extend(rows.iter().map(verdict));
-    if options.model {
-        blocks.extend(model(rows, options.network));
-    }
     write!(terminal::out(), "{}", plain(&blocks, terminal::width()))?;
     let wrong = rows.iter().any(|row| row.is_right() == Some(false));
     Ok(if wrong { ExitCode::FAILURE } else { ExitCode::SUCCESS })
@@ -273,46 +264,4 @@ fn table(rows: &[Row]) -> Table {
         .unit("alone", "ms", |row| row.alone_ms)
         .unit("memory", "MB", |row| row.memory_most as f64 / 1e6)
         .into()
-}
-
-fn two_digits(ms: f64) -> String {
-    let decimals = 1 - ms.abs().log10().floor().clamp(-9.0, 9.0) as i32;
-    let scale = 10f64.powi(decimals);
-    format!("{:.*}", decimals.max(0) as usize, (ms * scale).round() / scale)
-}
-
-fn model(rows: &[Row], network: Network) -> Vec<Block> {
-    let Some(row) = rows.iter().filter(|row| row.ranks > 1).max_by_key(|row| row.ranks) else {
-        return vec![Block::paragraph("The model needs a measurement with at least 2 ranks.")];
-    };
-    let one = rows.iter().find(|one| one.ranks == 1 && one.n * row.ranks as u64 == row.n);
-    let one_ms = one.map(|one| one.step_ms);
-    let of = |growth| {
-        let at = |ranks| step(row, one_ms, network, growth, ranks);
-        (0..).map_while(move |k| at(1 << k)).collect::<Vec<Step>>()
-    };
-    let (long, alike) = (of(Growth::Long), of(Growth::Alike));
-    let table = Table::of("", long.iter().zip(&alike))
-        .right("ranks", |(long, _)| long.ranks)
-        .right("particles", |(long, _)| long.n as u64)
-        .unit("long: step", "ms", |(long, _)| two_digits(long.ms))
-        .right("efficiency", |(long, _)| percent(long.efficiency))
-        .right("alike: halo", |(_, alike)| alike.halo as u64)
-        .unit("step", "ms", |(_, alike)| two_digits(alike.ms))
-        .right("efficiency", |(_, alike)| percent(alike.efficiency))
-        .into();
-    let measured = step(row, one_ms, network, Growth::Long, row.ranks as u64);
-    let words = format!(
-        "Model, not measured: {} own particles per rank, messages of {} s and {} bytes/s. For {} \
-         the search model predicts {} ms, and {} ms were measured; the difference is added to \
-         every step below. Predictions end at {FARTHEST} times the measured ranks. Long: the scene \
-         grows along its slabs. Alike: it keeps its shape, so slabs become thin.",
-        number(row.n as f64 / row.ranks as f64),
-        number(network.latency_s),
-        number(network.bytes_per_s),
-        plural(row.ranks, "rank"),
-        measured.map_or("no".into(), |step| two_digits(step.search_ms)),
-        two_digits(row.step_ms)
-    );
-    vec![Block::paragraph(words), Block::Table(table)]
 }

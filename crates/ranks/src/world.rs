@@ -40,8 +40,6 @@ struct Shared {
 struct Table {
     arrived: usize,
     round: u64,
-    /// Whether all threads were started; `None` until this is known.
-    complete: Option<bool>,
     /// The first rank that returned; others must not wait for it.
     left: Option<usize>,
     /// The first rank that panicked.
@@ -53,7 +51,7 @@ struct Table {
 /// Calls `work` in this many threads, one per rank, and returns the results in the order of ranks.
 ///
 /// # Errors
-/// Fails before any work if the system cannot start that many threads.
+/// Fails if the system cannot start that many threads.
 ///
 /// # Panics
 /// Panics if the work of a rank does, with the panic of the first such rank. Ranks that wait for a
@@ -62,7 +60,6 @@ pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::
     let table = Table {
         arrived: 0,
         round: 0,
-        complete: None,
         left: None,
         lost: None,
         numbers: vec![Vec::new(); size],
@@ -72,20 +69,19 @@ pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::
     thread::scope(|scope| {
         let start = |rank| {
             let (world, work) = (Thread { rank, shared: Arc::clone(&shared) }, &work);
-            thread::Builder::new()
-                .spawn_scoped(scope, move || world.is_complete().then(|| work(&world)))
+            thread::Builder::new().spawn_scoped(scope, move || work(&world))
         };
-        let started: io::Result<Vec<_>> = (0..size).map(start).collect();
-        shared.table().complete = Some(started.is_ok());
-        shared.turned.notify_all();
-        let mut ended: Vec<_> = started?.into_iter().map(|thread| thread.join()).collect();
-        if let Some(lost) = shared.table().lost
-            && let Err(cause) = ended.swap_remove(lost)
+        // A rank that cannot be started has ended, so the others do not wait for it.
+        let started: Vec<io::Result<_>> = (0..size).map(start).collect();
+        let mut ended: Vec<io::Result<_>> =
+            started.into_iter().map(|thread| Ok(thread?.join())).collect();
+        if let Some(lost) = shared.table().lost.filter(|_| ended.iter().all(Result::is_ok))
+            && let Ok(Err(cause)) = ended.swap_remove(lost)
         {
             std::panic::resume_unwind(cause);
         }
-        // Here no rank has panicked, and all were started.
-        Ok(ended.into_iter().filter_map(|end| end.ok().flatten()).collect())
+        // Here no rank has panicked, unless another could not be started.
+        ended.into_iter().filter_map(|end| end.map(Result::ok).transpose()).collect()
     })
 }
 
@@ -93,24 +89,9 @@ impl Shared {
     fn table(&self) -> MutexGuard<'_, Table> {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
-
-    /// Waits for the next change of the table.
-    fn turn<'a>(&self, table: MutexGuard<'a, Table>) -> MutexGuard<'a, Table> {
-        self.turned.wait(table).unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 impl Thread {
-    fn is_complete(&self) -> bool {
-        let mut table = self.shared.table();
-        loop {
-            match table.complete {
-                Some(complete) => return complete,
-                None => table = self.shared.turn(table),
-            }
-        }
-    }
-
     fn wait(&self) {
         let mut table = self.shared.table();
         let round = table.round;
@@ -124,7 +105,8 @@ impl Thread {
                 drop(table);
                 panic!("rank {rank} has ended, and rank {} waits for it", self.rank);
             }
-            table = self.shared.turn(table);
+            let turned = self.shared.turned.wait(table);
+            table = turned.unwrap_or_else(PoisonError::into_inner);
         }
     }
 

@@ -200,6 +200,6 @@ pub fn says_threads(runner: &ExternalRunner) -> bool {
 }
 
 #[cfg(test)]
-mod documented;
+mod documented_tests;
 #[cfg(test)]
 mod tests;
