@@ -8,18 +8,19 @@
 
 use std::sync::LazyLock;
 
-use contactbench_run::check::bytes;
+#[path = "../../../tests/detectors/fuzz/readers.rs"]
+mod readers;
 
 static READER: LazyLock<Option<u8>> = LazyLock::new(|| {
     let name = std::env::var("READER").ok()?;
     if name == "list" {
-        bytes::readers().for_each(|name| println!("{name}"));
+        readers::readers().for_each(|name| println!("{name}"));
         std::process::exit(0);
     }
-    Some(bytes::reader(&name).unwrap_or_else(|| panic!("there is no reader '{name}'")))
+    Some(readers::reader(&name).unwrap_or_else(|| panic!("there is no reader '{name}'")))
 });
 
 libfuzzer_sys::fuzz_target!(init: { LazyLock::force(&READER); }, |data: &[u8]| match *READER {
-    Some(reader) => bytes::fuzz_reader_of(reader, data),
-    None => bytes::fuzz_reader(data),
+    Some(reader) => readers::fuzz_reader_of(reader, data),
+    None => readers::fuzz_reader(data),
 });

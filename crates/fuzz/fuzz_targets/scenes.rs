@@ -2,4 +2,8 @@
 
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| contactbench_run::check::bytes::fuzz_one(data));
+#[allow(dead_code)]
+#[path = "../../../tests/detectors/fuzz/held.rs"]
+mod held;
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| held::fuzz_one(data));

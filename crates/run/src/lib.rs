@@ -6,5 +6,5 @@ pub mod moving;
 pub mod plan;
 pub mod recommend;
 pub mod run;
-mod truth;
+pub mod truth;
 pub mod verify;

@@ -8,11 +8,7 @@ use contactbench_ground::periodic::Loaded;
 use contactbench_ground::periodic::{ImagePair, without_shift};
 
 /// Finds the true contacts, in ascending order; lists of them may use `limit` bytes.
-pub(crate) fn truth(
-    scene: &Loaded<'_>,
-    arithmetic: Arithmetic,
-    limit: u64,
-) -> Result<Truth, NoTruth> {
+pub fn truth(scene: &Loaded<'_>, arithmetic: Arithmetic, limit: u64) -> Result<Truth, NoTruth> {
     match scene {
         Loaded::InBox(periodic) => boxes::truth(periodic, arithmetic, limit),
         Loaded::Open(stored) => {

@@ -1,9 +1,9 @@
 //! Fuzzing of readers: any bytes are a particle file or a contact list.
 
-use crate::check::as_csv;
 use contactbench_ground::scene::Lattice;
 use contactbench_io as io;
 use contactbench_io::Given;
+use contactbench_run::check::as_csv;
 
 /// Returns the number that selects the reader `name` in [`fuzz_reader`].
 pub fn reader(name: &str) -> Option<u8> {

@@ -1,14 +1,18 @@
 //! Runs the fuzz targets on their seeds, on mutated seeds and on random bytes, equal on every run.
 
+mod held;
+mod readers;
+
 use std::path::Path;
 
-use contactbench::check::bytes::{
-    fuzz_box, fuzz_one, fuzz_reader, fuzz_reader_of, reader, readers, scene_from_bytes,
-};
+use contactbench::check::bytes::scene_from_bytes;
 use contactbench_detectors::oracle;
 use contactbench_ground::contact::Arithmetic;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+use held::{fuzz_box, fuzz_one};
+use readers::{fuzz_reader, fuzz_reader_of, reader, readers};
 
 fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/fuzz/seeds").join(target);

@@ -15,12 +15,6 @@
 //! After these four bytes, each particle has one byte that chooses how it is placed, and the bytes
 //! that this method needs. Particles are added until the bytes end.
 
-mod held;
-mod readers;
-
-pub use held::{fuzz_box, fuzz_one};
-pub use readers::{fuzz_reader, fuzz_reader_of, reader, readers};
-
 use crate::check::numbers::Numbers;
 use contactbench_ground::scene::{AnyScene, SceneError};
 
@@ -65,93 +59,13 @@ struct Maker<'a> {
 
 #[derive(Clone, Copy)]
 struct Next {
+    /// The first byte of the particle. Its lowest three bits choose the method of placing it.
     how: u8,
     dim: usize,
     /// Position of the earlier particle beside which this one is placed, or the offset.
     beside: [f64; 3],
     /// Distance of the centres at which this particle and the earlier one just touch.
     contact: f64,
-}
-
-struct Placing {
-    place: fn(&mut Maker<'_>, Next) -> Option<[f64; 3]>,
-    beside: bool,
-    /// Whether the position is moved by some units in the last place afterwards.
-    nudged: bool,
-}
-
-/// Methods of placing a particle; the lowest three bits of its first byte choose one.
-const PLACINGS: [Placing; 8] = [
-    Placing { place: lattice, beside: false, nudged: true },
-    Placing { place: along_an_axis, beside: true, nudged: true },
-    Placing { place: along_a_hypotenuse, beside: true, nudged: true },
-    Placing { place: almost_there, beside: true, nudged: false },
-    Placing { place: raw, beside: false, nudged: false },
-    Placing { place: subnormal, beside: false, nudged: false },
-    Placing { place: huge, beside: false, nudged: false },
-    Placing { place: diameters_away, beside: true, nudged: true },
-];
-
-fn lattice(maker: &mut Maker<'_>, Next { dim, .. }: Next) -> Option<[f64; 3]> {
-    let (offset, unit) = (maker.offset, maker.unit);
-    maker.each(dim, |bytes, _| Some(offset + f64::from(bytes.next()? as i8) * unit))
-}
-
-fn along_an_axis(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
-    let (code, mut place) = (maker.bytes.next()?, next.beside);
-    let step = if code & 1 == 0 { next.contact } else { -next.contact };
-    place[usize::from(code / 2) % next.dim] += step;
-    Some(place)
-}
-
-fn along_a_hypotenuse(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
-    let code = usize::from(maker.bytes.next()?);
-    let (legs, hypotenuse) = PYTHAGOREAN[code % if next.dim == 2 { 4 } else { 8 }];
-    maker.each(next.dim, |_, axis| {
-        // In 2D, the two legs may be swapped; in 3D, the three legs rotate among the axes.
-        let step = legs[(axis + code / 64) % next.dim] * (next.contact / hypotenuse);
-        Some(next.beside[axis] + if code >> (3 + axis) & 1 == 0 { step } else { -step })
-    })
-}
-
-fn almost_there(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
-    let near = |x: f64, byte: u8| nudged(x, i32::from(byte % 7) - 3);
-    maker.each(next.dim, |bytes, axis| Some(near(next.beside[axis], bytes.next()?)))
-}
-
-fn raw(maker: &mut Maker<'_>, Next { dim, .. }: Next) -> Option<[f64; 3]> {
-    maker.each(dim, |bytes, _| bytes.double())
-}
-
-fn subnormal(maker: &mut Maker<'_>, Next { dim, how, .. }: Next) -> Option<[f64; 3]> {
-    let scale = libm::scalbn(1.0, i32::from(how >> 3) * 4);
-    maker.each(dim, |bytes, _| {
-        let code = bytes.next()?;
-        let size = f64::from_bits(u64::from(code / 2)) * scale;
-        Some(if code & 1 == 0 { size } else { -size })
-    })
-}
-
-fn huge(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
-    if next.how < 128 {
-        return lattice(maker, next);
-    }
-    maker.each(next.dim, |bytes, _| {
-        let code = bytes.next()?;
-        let size = match code {
-            252.. => f64::MAX,
-            _ => libm::scalbn(1.0 + f64::from(code % 4), i32::from(code / 4) * 18 - 110),
-        };
-        Some(if next.how & 8 == 0 { size } else { -size })
-    })
-}
-
-/// Places a particle whole diameters from an earlier one, where textbook grids have cell borders.
-fn diameters_away(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
-    let diameter = 2.0 * maker.radius;
-    maker.each(next.dim, |bytes, axis| {
-        Some(next.beside[axis] + f64::from(bytes.next()? as i8) * diameter)
-    })
 }
 
 impl<'a> Maker<'a> {
@@ -194,15 +108,14 @@ impl<'a> Maker<'a> {
         let how = self.bytes.next()?;
         let radius = self.radius()?;
         let (dim, stride, n) = (self.numbers.dim, self.numbers.stride(), self.numbers.len());
-        let Placing { place, beside, nudged: moved } = &PLACINGS[usize::from(how % 8)];
         let mut next = Next { how, dim, beside: [self.offset; 3], contact: 2.0 * radius };
-        if n > 0 && *beside {
+        if n > 0 && matches!(how % 8, 1 | 2 | 3 | 7) {
             let other = &self.numbers.values[usize::from(self.bytes.next()?) % n * stride..];
             next.beside[..dim].copy_from_slice(&other[..dim]);
             next.contact = radius + other[dim];
         }
-        let mut place = place(self, next)?;
-        if *moved {
+        let mut place = self.place(next)?;
+        if matches!(how % 8, 0 | 1 | 2 | 7) {
             let axis = usize::from(how >> 6) % dim;
             let steps = [0, 0, 0, 1, -1, 2, -2, 3][usize::from(how >> 3) % 8];
             place[axis] = nudged(place[axis], steps);
@@ -210,6 +123,48 @@ impl<'a> Maker<'a> {
         self.numbers.values.extend_from_slice(&place[..dim]);
         self.numbers.values.push(radius);
         Some(())
+    }
+
+    fn place(&mut self, Next { how, dim, beside, contact }: Next) -> Option<[f64; 3]> {
+        let (offset, unit, diameter) = (self.offset, self.unit, 2.0 * self.radius);
+        let signed = |size: f64, plus: bool| if plus { size } else { -size };
+        match how % 8 {
+            1 => {
+                let (code, mut place) = (self.bytes.next()?, beside);
+                place[usize::from(code / 2) % dim] += signed(contact, code & 1 == 0);
+                Some(place)
+            }
+            2 => {
+                let code = usize::from(self.bytes.next()?);
+                let (legs, hypotenuse) = PYTHAGOREAN[code % if dim == 2 { 4 } else { 8 }];
+                self.each(dim, |_, axis| {
+                    // In 2D, the two legs may be swapped; in 3D, they rotate among the axes.
+                    let step = legs[(axis + code / 64) % dim] * (contact / hypotenuse);
+                    Some(beside[axis] + signed(step, code >> (3 + axis) & 1 == 0))
+                })
+            }
+            3 => self.each(dim, |bytes, axis| {
+                Some(nudged(beside[axis], i32::from(bytes.next()? % 7) - 3))
+            }),
+            4 => self.each(dim, |bytes, _| bytes.double()),
+            // Subnormal numbers, and somewhat larger ones.
+            5 => self.each(dim, |bytes, _| {
+                let code = bytes.next()?;
+                let size = f64::from_bits(u64::from(code / 2));
+                Some(signed(libm::scalbn(size, i32::from(how >> 3) * 4), code & 1 == 0))
+            }),
+            6 if how >= 128 => self.each(dim, |bytes, _| {
+                let code = bytes.next()?;
+                let exponent = i32::from(code / 4) * 18 - 110;
+                let size = libm::scalbn(1.0 + f64::from(code % 4), exponent);
+                Some(signed(if code < 252 { size } else { f64::MAX }, how & 8 == 0))
+            }),
+            // Whole diameters from an earlier particle are where textbook grids have cell borders.
+            7 => self.each(dim, |bytes, axis| {
+                Some(beside[axis] + f64::from(bytes.next()? as i8) * diameter)
+            }),
+            _ => self.each(dim, |bytes, _| Some(offset + f64::from(bytes.next()? as i8) * unit)),
+        }
     }
 
     fn each(
@@ -234,7 +189,7 @@ impl<'a> Maker<'a> {
     }
 }
 
-fn nudged(x: f64, steps: i32) -> f64 {
+pub fn nudged(x: f64, steps: i32) -> f64 {
     (0..steps.abs()).fold(x, |x, _| if steps > 0 { x.next_up() } else { x.next_down() })
 }
 

@@ -1,10 +1,5 @@
 //! Compares every detector with the truth on scenes built from bytes.
 
-use crate::check::bytes::{nudged, scene_from_bytes};
-use crate::check::numbers::Numbers;
-use crate::check::subject::{Answer, Expected, answer};
-use crate::check::{Wrong, as_csv};
-use crate::truth::truth;
 use contactbench_detectors::oracle;
 use contactbench_detectors::oracle::NoTruth;
 use contactbench_detectors::oracle::boxes::Truth;
@@ -16,6 +11,11 @@ use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::scene::{AnyScene, Lattice};
 use contactbench_io::Given;
 use contactbench_lists::searcher::Searcher;
+use contactbench_run::check::bytes::{nudged, scene_from_bytes};
+use contactbench_run::check::numbers::Numbers;
+use contactbench_run::check::subject::{Answer, Expected, answer};
+use contactbench_run::check::{Wrong, as_csv};
+use contactbench_run::truth::truth;
 use contactbench_terms::must;
 
 /// Low memory limit, so that detectors refuse large arrays, which would slow a fuzzer down.
