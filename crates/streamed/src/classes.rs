@@ -2,7 +2,7 @@
 //!
 //! Cells are as wide as the reach of the largest particle in them. So particles of very different
 //! sizes are divided into classes by radius, and each class gets its own grid. Larger particles
-//! then visit the grids of smaller ones (`visits.rs`).
+//! then visit the grids of smaller ones (`levels/visits.rs`).
 //!
 //! Radii are grouped in bins: an octave (a factor of 2), or a half or a quarter of an octave if
 //! there are many particles (`Bins`). Which bins share a grid is chosen to minimise a model of

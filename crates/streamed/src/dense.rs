@@ -3,7 +3,8 @@
 
 use std::ops::Range;
 
-use super::kernel::{Bounds, Scratch, Sweep};
+use super::bounds::Bounds;
+use super::kernel::{Scratch, Sweep};
 use super::lists::{Lists, Record, Size};
 use super::output::Output;
 use super::plan::Plan;
@@ -52,34 +53,43 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
         probe.add(Op::Integerise, (D * n) as u64);
         probe.add(Op::ListPush, n as u64);
         let lists = &*lists;
-        let length = |slab: usize| lists.iter().map(|lists| lists.len(slab)).sum::<usize>();
-        let most = (0..plan.slabs).map(length).max().unwrap_or(0);
+        let bundles = Bundles { lists, plan, bounds: self.bounds, level: self.level };
+        let most = (0..plan.slabs).map(|slab| bundles.len(slab)).max().unwrap_or(0);
         *self.formula = needed(most);
         within(self.options, NAME, *self.formula, shape)?;
         for worker in workers.iter_mut() {
             worker.slabs.iter_mut().for_each(|slab| slab.prepare(most, plan.cells(), EACH));
             Record::<D, R>::prepare(&mut worker.room, most);
         }
-        let bundles = Bundles { lists, plan, bounds: self.bounds, level: self.level };
         if let [worker] = workers {
             let mut deliver = Deliver::new(self.touch, probe, sink);
             bundles.sweep::<EACH>(worker, 0..plan.slabs, &mut deliver, &mut |_, _, _, _| {});
             deliver.finish();
             return Ok(());
         }
+        self.by_threads::<_, _, EACH>(bundles, sink)
+    }
+
+    /// Sweeps the bundles by all threads.
+    fn by_threads<S: Sink, R: Size, const EACH: bool>(
+        &mut self,
+        bundles: Bundles<'_, R, D>,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        let (n, threads) = (self.n, self.threads);
         // Divide bundles into one share per thread, with about equal numbers of particles.
         let (mut shares, mut before, mut from) = (Vec::new(), 0, 0);
-        for slab in 0..plan.slabs {
-            before += length(slab);
+        for slab in 0..bundles.plan.slabs {
+            before += bundles.len(slab);
             if before * threads >= n * (shares.len() + 1) && shares.len() + 1 < threads {
                 shares.push(from..slab + 1);
                 from = slab + 1;
             }
         }
-        shares.push(from..plan.slabs);
+        shares.push(from..bundles.plan.slabs);
         let touch = self.touch_silent;
         let allowance = Allowance::new(self.options.memory_limit - *self.formula);
-        let mut tasks: Vec<_> = workers
+        let mut tasks: Vec<_> = self.workers[..threads]
             .iter_mut()
             .map(|worker| {
                 // Moved out of the worker while it runs, so that both can be borrowed mutably.
@@ -118,6 +128,11 @@ pub(super) type Beside<'a, const D: usize> =
     &'a mut dyn FnMut(usize, &Slab<D>, &mut Scratch, &mut dyn PairSink);
 
 impl<R: Size, const D: usize> Bundles<'_, R, D> {
+    /// Returns the number of particles in a bundle.
+    fn len(&self, bundle: usize) -> usize {
+        self.lists.iter().map(|lists| lists.len(bundle)).sum()
+    }
+
     /// Sweeps a range of bundles, each against itself and the first layer of the next bundle.
     pub fn sweep<const EACH: bool>(
         &self,

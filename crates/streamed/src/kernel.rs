@@ -4,82 +4,20 @@
 //! Most ranges hold fewer than eight particles: two such ranges are tested together, 0 with 1 and 2
 //! with 3. If a range holds sixteen or more, the particles of the cell share copies of their
 //! candidates ([`super::together`]). On registers of fewer than sixteen floats each range is tested
-//! alone ([`super::single`]).
-//!
-//! **Bounds.** Let D be the true distance of two particles in steps and d the one computed here.
-//! Coordinate differences are off by at most [`STEPS_OFF`] along each axis. Each x is rounded to 24
-//! bits, and their difference once more. The other coordinates are exact (integers below 2^22:
-//! fractions, plus or minus one cell). The sum of squares, fused or not, has at most four
-//! roundings, a relative error below 2^-21. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1,
-//! apart from that relative error. Radii have relative errors of 2^-23.
-//!
-//! `grow` is the sum of these bounds and of the test's slack, with relative errors (2^-19 in total)
-//! times the largest sum of radii. For the sum s of a pair's radii, the contact test is certain to
-//! refuse d > s + grow and to accept d <= s - grow. The test itself decides all other pairs, a few
-//! in ten thousand contacts.
-//!
-//! In the flat form the second axis is rounded like x: its steps are added to the steps along x.
+//! alone ([`super::single`]). [`super::bounds`] says which pairs need the contact test.
 //!
 //! Arrays are read without bounds checks; `unchecked.rs` gives the reasons why this is safe.
 
 use std::mem::MaybeUninit;
 
-use super::grid::{Grid, STEPS_OFF, reach_of};
+use super::bounds::Bounds;
 use super::output::{Output, ROOM, Space};
 use super::ranges::{Find, Ranges, in_next, lengths, ranges_used};
 use super::slab::Slab;
 use super::together::{Copies, Together};
 use super::unchecked::{Run16, Source, TwoRuns8, chunk, chunk_mut, element};
-use contactbench_ground::contact::{Bodies, Slack};
 use contactbench_ground::probe::Op;
-use contactbench_ground::scene::Real;
 use contactbench_ground::wide::{HALF, Kernel, LANES, Level, Register, Wide};
-
-/// Limits in steps that decide a contact from the distance of a pair.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
-    /// Sum of two radii if all radii are equal.
-    pub sum: f32,
-    pub grow: f32,
-    /// Edge of a cell in steps.
-    one: f32,
-    /// Index of the first image, or `u32::MAX` if none is known. The test rejects two images.
-    pub first_image: u32,
-}
-
-impl Bounds {
-    /// Computes the bounds for particles in this grid; x wraps around after `turn` steps, if given.
-    pub fn new<T: Real, const D: usize>(
-        bodies: &impl Bodies<T, D>,
-        grid: &Grid<D>,
-        turn: Option<f32>,
-    ) -> Bounds {
-        let bounds = Bounds::of(bodies.slack(), reach_of(bodies), grid, turn);
-        // Twice the radius in steps; the diameter itself could overflow.
-        let sum = 2.0 * grid.length(bodies.uniform().unwrap_or(0.0));
-        Bounds { sum: sum as f32, first_image: bodies.first_image(), ..bounds }
-    }
-
-    /// Computes the bounds for individual radii; pairs farther apart than `reach` do not touch.
-    pub fn of<const D: usize>(
-        slack: Slack,
-        reach: f64,
-        grid: &Grid<D>,
-        turn: Option<f32>,
-    ) -> Bounds {
-        let from_origin = grid.count[0] + if grid.flat { grid.count[1] } else { 0 };
-        let steps = turn.map_or((from_origin << grid.bits) as f64, f64::from);
-        let reach = grid.length(reach.min(f64::MAX));
-        let relative = slack.relative + 1.0 / f64::from(1 << 19);
-        let grow = 2.0 * STEPS_OFF
-            + steps / f64::from(1 << 23)
-            + 2.0
-            + grid.length(slack.absolute)
-            + reach * relative;
-        let one = (1u64 << grid.bits) as f32;
-        Bounds { sum: 0.0, grow: grow as f32, one, first_image: u32::MAX }
-    }
-}
 
 /// 1.5·2^23: adding and subtracting it rounds a small number to the nearest integer.
 pub(super) const WHOLE: f32 = 12_582_912.0;
@@ -210,7 +148,6 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
         if W::Register::LANES < LANES {
             return self.by_range(w.register());
         }
-        let used = ranges_used::<F, D>();
         let limits = self.limits(w);
         let (shifts, halves) = (self.shifts(w), self.half_shifts(w));
         let mut first = self.places.start;
@@ -225,27 +162,9 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                     crowd = Some(ranges);
                     break;
                 }
-                let mut found = Found { at: kept, odd: 0, counts: 0 };
                 let around =
                     Around { place, ranges: &ranges, shifts: &shifts, halves: &halves, limits };
-                // Most ranges are short, so two are tested at a time.
-                let short = |r: usize| ranges[r].1 | ranges[r + 1].1 < HALF as u32;
-                let mut r = 0;
-                if longest < HALF as u32 {
-                    while r + 1 < used {
-                        self.keep_two(w, around, r, &mut found);
-                        r += 2;
-                    }
-                }
-                while r < used {
-                    if r % 2 == 0 && r + 1 < used && short(r) {
-                        self.keep_two(w, around, r, &mut found);
-                        r += 2;
-                    } else {
-                        self.keep_one(w, around, r, &mut found);
-                        r += 1;
-                    }
-                }
+                let found = self.collect(w, around, longest, kept);
                 // A vector may find more than eight neighbours, but only eight are kept.
                 if found.odd | found.counts & 0x18 == 0 {
                     kept = found.at;
@@ -255,28 +174,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 self.work.ends[many] = kept as u32;
                 many += 1;
             }
-            if self.output.found + kept > ROOM - KEPT {
-                self.output.hand_on();
-            }
-            let mut begin = 0;
-            for k in 0..many {
-                let end = self.work.ends[k] as usize;
-                // SAFETY: `first + k` is one of `places`, which are below the slab's `len`.
-                let id = unsafe { element(&self.slab.ids, first + k) };
-                let mut at = begin;
-                loop {
-                    // SAFETY: `at` is at most `kept`, and at least `KEPT` places follow.
-                    let ids = unsafe { chunk(&self.work.ids, at) };
-                    // SAFETY: there is space for `kept` pairs, and `KEPT` more.
-                    w.pair(id, ids, unsafe { self.output.places(self.output.found + at) });
-                    at += KEPT;
-                    if at >= end {
-                        break;
-                    }
-                }
-                begin = end;
-            }
-            self.output.found += kept;
+            self.pair(w, first, many, kept);
             first += many;
             if let Some(ranges) = crowd {
                 let end = self.alike(first, &ranges);
@@ -396,6 +294,59 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     fn range(&self, (at, len): (u32, u32), r: usize) -> (Run16<'a, D>, u32) {
         // SAFETY: a range begins at most at the slab's `len`, and the arrays are a vector longer.
         (unsafe { Run16::new(self.other(r), at as usize) }, !(!0 << len))
+    }
+
+    /// Collects the neighbours of a particle behind those `kept` so far.
+    #[inline(always)]
+    fn collect<W: Wide>(&mut self, w: W, around: Around<W, D>, longest: u32, kept: usize) -> Found {
+        let (used, ranges) = (ranges_used::<F, D>(), around.ranges);
+        let mut found = Found { at: kept, odd: 0, counts: 0 };
+        // Most ranges are short, so two are tested at a time.
+        let short = |r: usize| ranges[r].1 | ranges[r + 1].1 < HALF as u32;
+        let mut r = 0;
+        if longest < HALF as u32 {
+            while r + 1 < used {
+                self.keep_two(w, around, r, &mut found);
+                r += 2;
+            }
+        }
+        while r < used {
+            if r % 2 == 0 && r + 1 < used && short(r) {
+                self.keep_two(w, around, r, &mut found);
+                r += 2;
+            } else {
+                self.keep_one(w, around, r, &mut found);
+                r += 1;
+            }
+        }
+        found
+    }
+
+    /// Pairs `many` particles from `first` on with their `kept` neighbours.
+    #[inline(always)]
+    fn pair<W: Wide>(&mut self, w: W, first: usize, many: usize, kept: usize) {
+        if self.output.found + kept > ROOM - KEPT {
+            self.output.hand_on();
+        }
+        let mut begin = 0;
+        for k in 0..many {
+            let end = self.work.ends[k] as usize;
+            // SAFETY: `first + k` is one of `places`, which are below the slab's `len`.
+            let id = unsafe { element(&self.slab.ids, first + k) };
+            let mut at = begin;
+            loop {
+                // SAFETY: `at` is at most `kept`, and at least `KEPT` places follow.
+                let ids = unsafe { chunk(&self.work.ids, at) };
+                // SAFETY: there is space for `kept` pairs, and `KEPT` more.
+                w.pair(id, ids, unsafe { self.output.places(self.output.found + at) });
+                at += KEPT;
+                if at >= end {
+                    break;
+                }
+            }
+            begin = end;
+        }
+        self.output.found += kept;
     }
 
     #[inline(always)]

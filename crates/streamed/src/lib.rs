@@ -23,7 +23,7 @@
 //!
 //! If no single cell width suits all sizes, particles are divided into size classes (`classes.rs`),
 //! each with its own grid and sweep (`levels`). While a bundle is in cache, larger particles visit
-//! it (`visits.rs`), row by row of the cells within reach. If a class crowds, [`HGrid`] detects the
+//! it (`levels/visits.rs`), row by row of the cells within reach. If a class crowds, [`HGrid`] detects the
 //! whole scene.
 //!
 //! * Cost: proportional to N, independent of the packing density. In the sparse form N is
@@ -44,6 +44,7 @@
 //! * In `textbook` arithmetic the filters are as safe as in f64, except in scenes left to
 //!   [`HGrid`]: the book prints no filters for this detector.
 
+mod bounds;
 pub mod classes;
 mod dense;
 mod grid;
@@ -59,12 +60,12 @@ mod slab;
 mod sparse;
 mod together;
 mod unchecked;
-mod visits;
 
+use bounds::Bounds;
 use classes::Classes;
 pub use grid::Form;
 use grid::Grid;
-use kernel::{Bounds, Scratch};
+use kernel::Scratch;
 use lists::{Lists, Room};
 use output::Space;
 use slab::Slab;

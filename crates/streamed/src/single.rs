@@ -4,6 +4,7 @@
 use super::kernel::{SPARE, Sweep, WHOLE};
 use super::output::ROOM;
 use super::ranges::{Find, lengths, ranges_used};
+use super::slab::Slab;
 use super::together::Together;
 use super::unchecked::{element, load};
 use contactbench_ground::wide::{LANES, Register, fill};
@@ -30,18 +31,8 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                     self.output.hand_on();
                 }
                 kept = self.output.found;
-                // SAFETY: `first` is one of `places`, which are below the slab's `len`, and every
-                // array over particles has an entry for each place.
-                let (id, from) = unsafe {
-                    let at = |k: usize| element(&self.slab.lanes[k], first);
-                    (element(&self.slab.ids, first), fill::<_, D>(at))
-                };
-                let radius = if EACH {
-                    // SAFETY: if particles have individual radii, `radii` has one for each place.
-                    r.all(grow + unsafe { element(&self.slab.radii, first) })
-                } else {
-                    r.all(0.0)
-                };
+                let (id, from, radius) = self.particle(first);
+                let radius = r.all(grow + radius);
                 for (k, &(begin, len)) in ranges[..used].iter().enumerate() {
                     let slab = self.other(k);
                     let mut at = [r.all(from[0]); D];
@@ -51,31 +42,16 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                     let (mut place, end) = (begin as usize, (begin + len) as usize);
                     // An empty range is tested too: a branch would be unpredictable.
                     loop {
-                        // SAFETY: a range begins at most at the slab's `len`, and the arrays over
-                        // particles are a vector longer.
-                        let of = |lane: &[f32]| unsafe { load(lane, place) };
-                        let mut square = r.all(0.0);
-                        for (axis, &at) in at.iter().enumerate() {
-                            let mut d = r.sub(of(&slab.lanes[axis]), at);
-                            if let (0, Some(turn)) = (axis, F::TURN) {
-                                d = nearest(r, d, turn);
-                            }
-                            square = if axis == 0 { r.mul(d, d) } else { r.mul_add(d, d, square) };
-                        }
+                        let square = square::<F, R, D>(r, slab, place, &at);
                         let [near, sure] = if EACH {
-                            self::limits(r, r.add(radius, of(&slab.radii)), grow)
+                            self::limits(r, r.add(radius, of_range(&slab.radii, place)), grow)
                         } else {
                             limits
                         };
                         let valid = !(!0 << (end - place).min(R::LANES));
                         let near = r.at_most(square, near) & valid;
                         odd |= near & !r.at_most(square, sure);
-                        // SAFETY: as for the coordinates; and there is space for all candidates.
-                        unsafe {
-                            let ids = r.pack(load(&slab.ids, place), near);
-                            let to: &mut [_; LANES] = self.output.places(kept);
-                            to.as_mut_ptr().cast::<R::Pairs>().write_unaligned(r.pair(id, ids));
-                        }
+                        self.write(r, id, (slab, place), near, kept);
                         kept += R::count(near);
                         place += R::LANES;
                         if place >= end {
@@ -92,6 +68,62 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
         }
         self.output.hand_on();
     }
+    /// Returns number, coordinates and radius of the particle at a place; 0 if all radii are equal.
+    #[inline(always)]
+    fn particle(&self, first: usize) -> (u32, [f32; D], f32) {
+        // SAFETY: `first` is one of `places`, which are below the slab's `len`, and every array
+        // over particles has an entry for each place; `radii` if particles have individual radii.
+        unsafe {
+            let at = |k: usize| element(&self.slab.lanes[k], first);
+            let radius = if EACH { element(&self.slab.radii, first) } else { 0.0 };
+            (element(&self.slab.ids, first), fill::<_, D>(at), radius)
+        }
+    }
+
+    /// Writes a particle's pairs with the `near` ones from a place on, behind the `kept` pairs.
+    #[inline(always)]
+    fn write<R: Register>(
+        &mut self,
+        r: R,
+        id: u32,
+        (slab, place): (&Slab<D>, usize),
+        near: u32,
+        kept: usize,
+    ) {
+        // SAFETY: as in `of_range`; and there is space for all candidates.
+        unsafe {
+            let ids = r.pack(load(&slab.ids, place), near);
+            let to: &mut [_; LANES] = self.output.places(kept);
+            to.as_mut_ptr().cast::<R::Pairs>().write_unaligned(r.pair(id, ids));
+        }
+    }
+}
+
+/// Loads the numbers of an array over particles from a place in a range on.
+#[inline(always)]
+fn of_range<V: Copy>(lane: &[f32], place: usize) -> V {
+    // SAFETY: a range begins at most at the slab's `len`, and the arrays over particles are a vector
+    // longer.
+    unsafe { load(lane, place) }
+}
+
+/// Computes the squared distances of the particles from a place on.
+#[inline(always)]
+fn square<F: Find, R: Register, const D: usize>(
+    r: R,
+    slab: &Slab<D>,
+    place: usize,
+    at: &[R::Floats; D],
+) -> R::Floats {
+    let mut square = r.all(0.0);
+    for (axis, &at) in at.iter().enumerate() {
+        let mut d = r.sub(of_range(&slab.lanes[axis], place), at);
+        if let (0, Some(turn)) = (axis, F::TURN) {
+            d = nearest(r, d, turn);
+        }
+        square = if axis == 0 { r.mul(d, d) } else { r.mul_add(d, d, square) };
+    }
+    square
 }
 
 /// Computes the limits of pairs like [`super::kernel::Limits::new`].

@@ -7,9 +7,10 @@
 //! thread. Its cost is N for each digit of the sort and N for the rest, whatever the number of
 //! cells.
 
+use super::bounds::Bounds;
 use super::dense::grow;
 use super::grid::{Grid, SPARSE_FRACTION as FRACTION};
-use super::kernel::{Bounds, Scratch, Sweep};
+use super::kernel::{Scratch, Sweep};
 use super::lists::Size;
 use super::output::Output;
 use super::ranges::{Find, Ranges};

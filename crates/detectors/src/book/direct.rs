@@ -35,8 +35,9 @@ impl Declare for Direct {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Direct {
-    // Inlined: otherwise the compiler loads the fields of `bodies` from memory for each pair.
-    #[inline(always)]
+    // Not inlined and with `bodies` by value: in a large caller, the compiler loads two values from
+    // the stack for each pair.
+    #[inline(never)]
     fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
         &mut self,
         bodies: B,

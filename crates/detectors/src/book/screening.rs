@@ -50,6 +50,8 @@ mask::detects_by_mask!(Screening, 2, PLANE);
 mask::detects_by_mask!(Screening, 3, SPACE);
 
 impl Screening {
+    // Inlined into a large caller, the loop over candidates would load values from the stack.
+    #[inline(never)]
     fn run<T: Real, const D: usize, const M: usize>(
         &mut self,
         bodies: &impl Bodies<T, D>,

@@ -18,7 +18,8 @@
 
 use super::tree::{Leaves, Tree};
 use contactbench_ground::contact::Bodies;
-use contactbench_ground::detect::copies::{Bounds, Each, Judge, One, Record};
+use contactbench_ground::detect::bounds::Bounds;
+use contactbench_ground::detect::copies::{Each, Judge, One, Record};
 use contactbench_ground::detect::{Declare, Detector, Options, within};
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::pairs::sink::Sink;

@@ -19,9 +19,8 @@
 //!   overlap ([`contactbench_ground::filter`], section 2).
 
 use contactbench_ground::contact::Bodies;
-use contactbench_ground::detect::copies::{
-    Bounds, Each, Found, Judge, Nearness, One, Record, room,
-};
+use contactbench_ground::detect::bounds::Bounds;
+use contactbench_ground::detect::copies::{Each, Found, Judge, Nearness, One, Record, room};
 use contactbench_ground::detect::{Declare, Detector, Options, within};
 use contactbench_ground::filter;
 use contactbench_ground::limits::refusal::Refusal;

@@ -10,7 +10,8 @@
 //! two halves, each paired with itself and with the other. Two nodes with overlapping boxes are
 //! replaced by four pairs of halves. So each pair of leaves occurs once.
 
-use contactbench_ground::detect::copies::{Bounds, Found, Judge, Nearness, Record, room};
+use contactbench_ground::detect::bounds::Bounds;
+use contactbench_ground::detect::copies::{Found, Judge, Nearness, Record, room};
 use contactbench_ground::filter;
 use contactbench_ground::pairs::sink::Sink;
 use contactbench_ground::probe::{Op, Probe};

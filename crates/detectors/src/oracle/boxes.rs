@@ -199,69 +199,99 @@ fn tested<const D: usize>(
     if frame.periodic.contains(&true) && reach == f64::INFINITY {
         return Err(Refusal::Range);
     }
-    let at = |index: usize| array(&scene.centres()[index]);
-    // Limit for the tested images: 8 per pair, although most pairs have no image in reach, and 16
-    // per contact that fits in memory. The tested images fill a box around a sphere, which takes
-    // half of it, or much less if the box is skewed.
-    let most = 8.0 * n as f64 * n as f64 + 16.0 * (limit / IMAGE_PAIR_BYTES) as f64;
-    let (mut images, mut list) = (0.0, List::new(limit));
-    let mut test = |i: usize, j: usize| {
+    let mut tests = Tests { scene, frame, test, reach, limit, images: 0.0, list: List::new(limit) };
+    match chosen {
+        None => (0..n).try_for_each(|i| (i..n).try_for_each(|j| tests.pair(i, j)))?,
+        Some(chosen) => tests.chosen(chosen)?,
+    }
+    tests.list.end(n)
+}
+
+/// Tests of pairs in a periodic scene, and the contacts found so far.
+struct Tests<'a, const D: usize> {
+    scene: &'a Scene<'a, f64, D>,
+    frame: &'a Frame<D>,
+    test: Test,
+    /// Largest distance of two particles that touch.
+    reach: f64,
+    limit: u64,
+    /// Number of images tested so far.
+    images: f64,
+    list: List,
+}
+
+impl<const D: usize> Tests<'_, D> {
+    fn at(&self, index: usize) -> [f64; D] {
+        *array(&self.scene.centres()[index])
+    }
+
+    /// Tests a pair with all images within reach.
+    fn pair(&mut self, i: usize, j: usize) -> Result<(), Refusal> {
+        let (scene, frame, a, b) = (self.scene, self.frame, self.at(i), self.at(j));
         let sum = scene.radius(i) + scene.radius(j);
-        let ranges = around(frame, [i, j], at(i), at(j), sum)?;
-        images += ranges.map(|[low, high]| f64::from(high - low + 1)).iter().product::<f64>();
-        if images > most {
+        let ranges = around(frame, [i, j], &a, &b, sum)?;
+        self.images += ranges.map(|[low, high]| f64::from(high - low + 1)).iter().product::<f64>();
+        // The limit is 8 images per pair, although most pairs have no image in reach, and 16 per
+        // contact that fits in memory. The tested images fill a box around a sphere, which takes
+        // half of it, or much less if the box is skewed.
+        let (n, images, limit) = (scene.len() as f64, self.images, self.limit);
+        if images > 8.0 * n * n + 16.0 * (limit / IMAGE_PAIR_BYTES) as f64 {
             let needed = images * IMAGE_PAIR_BYTES as f64;
-            return Err(Refusal::Images { particles: n as u64, images, reach, needed, limit });
+            let (particles, reach) = (scene.len() as u64, self.reach);
+            return Err(Refusal::Images { particles, images, reach, needed, limit });
         }
+        let pair = [i as u32, j as u32];
         for_all(ranges, |image| {
             let Ok(given) = frame.given(image) else { return };
-            if i == j && image <= [0; 3] || apart(frame, at(i), at(j), given, sum) {
+            if i == j && image <= [0; 3] || apart(frame, &a, &b, given, sum) {
                 return;
             }
-            let image = given;
-            let pair = [i as u32, j as u32];
-            if touches(scene, pair, Shift { image, vectors: &frame.vectors }, test) {
-                list.push(ImagePair::new(pair[0], pair[1], image));
+            let shift = Shift { image: given, vectors: &frame.vectors };
+            if touches(scene, pair, shift, self.test) {
+                self.list.push(ImagePair::new(pair[0], pair[1], given));
             }
         });
         Ok(())
-    };
-    let Some(chosen) = chosen else {
-        (0..n).try_for_each(|i| (i..n).try_for_each(|j| test(i, j)))?;
-        return list.end(n);
-    };
-    let few = numbers(chosen);
-    let fractions = |x: &[f64; D]| -> [f64; 3] {
-        fill(|v| {
-            let fraction = frame.fraction(v, x);
-            fraction - fraction.floor()
-        })
-    };
-    let mut most = [0.0f64; D];
-    (0..n).for_each(|j| most = fill(|k| most[k].max(at(j)[k].abs())));
-    let most: [f64; 3] = fill(|v| frame.most(v, &most));
-    let (coupling, _) = frame.coupling(most.map(|most| 4.0 * most), reach * (1.0 + 4.0 * U));
-    let margin = fill(|v| match frame.periodic[v] {
-        true => {
-            let rounding = 32.0 * U * (most[v] + 1.0);
-            frame.lengths[v] * reach * (1.0 + 16.0 * U) + rounding + coupling[v]
-        }
-        false => f64::INFINITY,
-    });
-    let places: Vec<[f64; 3]> = few.iter().map(|&k| fractions(at(k as usize))).collect();
-    let sieve = Sieve::new(&places, margin, [None; 3]);
-    for (j, &one_of_them) in chosen.iter().enumerate() {
-        let mut result = Ok(());
-        sieve.near(&fractions(at(j)), |k| {
-            let i = few[k] as usize;
-            // A pair of two chosen particles is tested once.
-            if result.is_ok() && !(one_of_them && j < i) {
-                result = test(i.min(j), i.max(j));
-            }
-        });
-        result?;
     }
-    list.end(n)
+
+    /// Tests all pairs with a chosen particle that are not certainly apart.
+    fn chosen(&mut self, chosen: &[bool]) -> Result<(), Refusal> {
+        let (frame, few) = (self.frame, numbers(chosen));
+        let fractions = |x: &[f64; D]| -> [f64; 3] {
+            fill(|v| {
+                let fraction = frame.fraction(v, x);
+                fraction - fraction.floor()
+            })
+        };
+        let mut most = [0.0f64; D];
+        for j in 0..chosen.len() {
+            most = fill(|k| most[k].max(self.at(j)[k].abs()));
+        }
+        let most: [f64; 3] = fill(|v| frame.most(v, &most));
+        let (coupling, _) =
+            frame.coupling(most.map(|most| 4.0 * most), self.reach * (1.0 + 4.0 * U));
+        let margin = fill(|v| match frame.periodic[v] {
+            true => {
+                let rounding = 32.0 * U * (most[v] + 1.0);
+                frame.lengths[v] * self.reach * (1.0 + 16.0 * U) + rounding + coupling[v]
+            }
+            false => f64::INFINITY,
+        });
+        let places: Vec<[f64; 3]> = few.iter().map(|&k| fractions(&self.at(k as usize))).collect();
+        let sieve = Sieve::new(&places, margin, [None; 3]);
+        for (j, &one_of_them) in chosen.iter().enumerate() {
+            let mut result = Ok(());
+            sieve.near(&fractions(&self.at(j)), |k| {
+                let i = few[k] as usize;
+                // A pair of two chosen particles is tested once.
+                if result.is_ok() && !(one_of_them && j < i) {
+                    result = self.pair(i.min(j), i.max(j));
+                }
+            });
+            result?;
+        }
+        Ok(())
+    }
 }
 
 /// Returns the lowest and the highest S to be tested along each vector.

@@ -4,6 +4,7 @@
 //! its object-safe form, implemented once for all detectors, for callers that choose one at run time.
 
 pub mod any;
+pub mod bounds;
 pub mod company;
 pub mod copies;
 pub mod rows;

@@ -224,6 +224,33 @@ impl Level {
 mod tests {
     use super::*;
 
+    /// Tests the operations that write pairs.
+    #[inline(always)]
+    fn pairs_are_packed<W: Wide>(w: W, ids: &[u32; LANES]) {
+        for mask in (0..1u32 << LANES).filter(|mask| mask.count_ones() <= 8) {
+            let mut to = [0; HALF];
+            let expected: Vec<u32> =
+                (0..LANES as u32).filter(|k| mask >> k & 1 == 1).map(|k| 1000 + k).collect();
+            w.pack_two(ids.first_chunk().unwrap(), ids.last_chunk().unwrap(), mask, &mut to);
+            assert_eq!(&to[..expected.len()], expected);
+        }
+        let mut pairs = [Slot::uninit(); 8];
+        w.pair(7, &[1, 2, 3, 4, 5, 6, u32::MAX, 8], &mut pairs);
+        assert_eq!(
+            // SAFETY: `pair` writes all.
+            pairs.map(|pair| unsafe { pair.assume_init() }),
+            [[7, 1], [7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, u32::MAX], [7, 8]]
+        );
+        for mask in 0..1u32 << LANES {
+            let mut to = [Slot::new([0; 2]); LANES];
+            w.pairs(7, ids, mask, &mut to);
+            // SAFETY: all slots were made with values.
+            let to = to.map(|pair| unsafe { pair.assume_init() });
+            let expected = (0..LANES).filter(|k| mask >> k & 1 == 1).map(|k| [7, ids[k]]);
+            assert!(expected.zip(to).all(|(a, b)| a == b), "{mask:#x}");
+        }
+    }
+
     struct Everything;
     impl Kernel for Everything {
         type Output = Vec<u64>;
@@ -247,28 +274,7 @@ mod tests {
             see(w.mul_add(va, vb, w.all(5.0)));
             see(w.max(va, vb));
             see(w.load_two(a.last_chunk().unwrap(), b.first_chunk().unwrap()));
-            for mask in (0..1u32 << LANES).filter(|mask| mask.count_ones() <= 8) {
-                let mut to = [0; HALF];
-                let expected: Vec<u32> =
-                    (0..LANES as u32).filter(|k| mask >> k & 1 == 1).map(|k| 1000 + k).collect();
-                w.pack_two(ids.first_chunk().unwrap(), ids.last_chunk().unwrap(), mask, &mut to);
-                assert_eq!(&to[..expected.len()], expected);
-            }
-            let mut pairs = [Slot::uninit(); 8];
-            w.pair(7, &[1, 2, 3, 4, 5, 6, u32::MAX, 8], &mut pairs);
-            assert_eq!(
-                // SAFETY: `pair` writes all.
-                pairs.map(|pair| unsafe { pair.assume_init() }),
-                [[7, 1], [7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, u32::MAX], [7, 8]]
-            );
-            for mask in 0..1u32 << LANES {
-                let mut to = [Slot::new([0; 2]); LANES];
-                w.pairs(7, &ids, mask, &mut to);
-                // SAFETY: all slots were made with values.
-                let to = to.map(|pair| unsafe { pair.assume_init() });
-                let expected = (0..LANES).filter(|k| mask >> k & 1 == 1).map(|k| [7, ids[k]]);
-                assert!(expected.zip(to).all(|(a, b)| a == b), "{mask:#x}");
-            }
+            pairs_are_packed(w, &ids);
             // The coordinates have many bits, so that differences, squares and sums are rounded.
             let spots: [Spot; 19] = std::array::from_fn(|k| Spot {
                 at: [1.7, -0.3, 0.1].map(|x: f32| (x * (k + 1) as f32).sin()),

@@ -171,7 +171,7 @@ impl<const D: usize> Images<D> {
             .filter(|frame| see(some, frame).2.fit(frame))
             .map(|frame| see(all, frame))
             .filter(|(frame, _, found)| found.fit(frame));
-        let (frame, mut below, mut found) = upright.unwrap_or_else(|| see(all, frame));
+        let (frame, below, mut found) = upright.unwrap_or_else(|| see(all, frame));
         let given_most = found.most();
         let wrap = !found.fit(frame);
         if wrap {
@@ -190,29 +190,38 @@ impl<const D: usize> Images<D> {
             // The images are too many to be numbered.
             return Err(budget.refusal(near.about(given.len())));
         }
+        self.survey_enough(given, &near, (below, found.candidates), budget)?;
+        Ok(near)
+    }
+
+    /// Surveys the particles with wider bounds and more memory until no candidate is missing.
+    fn survey_enough(
+        &mut self,
+        given: &Scene<'_, f64, D>,
+        near: &Near<'_, D>,
+        (mut below, mut candidates): ([f64; 3], usize),
+        budget: &mut Budget,
+    ) -> Result<(), Refusal> {
         loop {
             // If a file's box begins far from its particles, the guess of which particles are near
             // a face saves no work.
-            let idle = found.candidates > given.len() / 8 && below != near.below;
+            let idle = candidates > given.len() / 8 && below != near.below;
             let enough = (0..3).all(|a| near.below[a] <= below[a]) && !idle;
-            let room = found.candidates <= self.candidates.capacity();
-            let bytes = (found.candidates * size_of::<Candidate<D>>()) as f64;
+            let room = candidates <= self.candidates.capacity();
+            let bytes = (candidates * size_of::<Candidate<D>>()) as f64;
             if enough && room {
                 budget.fixed += bytes;
-                return Ok(near);
+                return Ok(());
             }
             if enough {
-                let fixed = budget.fixed;
-                budget.fixed += bytes;
-                budget.holds(0.0)?;
-                budget.fixed = fixed;
+                Budget { fixed: budget.fixed + bytes, ..*budget }.holds(0.0)?;
                 self.candidates = Vec::new();
-                reserve(&mut self.candidates, found.candidates)?;
+                reserve(&mut self.candidates, candidates)?;
             } else {
                 below = near.below;
             }
-            let owners = if wrap { &self.places } else { given.centres() };
-            found = survey(owners, frame, below, &mut self.candidates);
+            let owners = if self.wraps.is_empty() { given.centres() } else { &self.places };
+            candidates = survey(owners, near.frame, below, &mut self.candidates).candidates;
         }
     }
 

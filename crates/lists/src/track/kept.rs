@@ -131,20 +131,66 @@ impl<const D: usize> Kept<D> {
             return Err(Refusal::Skin { skin, diameter: 2.0 * largest });
         }
         let last = if rule.looks(1) == Looks::SinceFrame { n } else { 0 };
-        let each = match scene.radii() {
-            // Bytes of three radii per particle: in the scene's order, by place, and enlarged.
-            Radii::Each(_) => 24,
-            Radii::Uniform(_) => 0,
-        };
-        let needed = (n + last) as u64 * POINT * D as u64
-            + n as u64 * (SPOT + each)
-            + cells::room(n) as u64 * PAIR_BYTES
-            + if lattice.is_some() { 8 * n.div_ceil(64) as u64 } else { 0 };
+        let needed = needed(scene, last, lattice.is_some());
         if needed > limit {
             let shape = format!("{n} particles, without the list");
             return Err(Refusal::Memory { detector: "verlet", needed, limit, shape });
         }
-        let centres = scene.centres();
+        self.place(scene, corners, last)?;
+        if let Some(tally) = tally.as_deref_mut() {
+            tally.add(Op::Integerise, (n * D) as u64);
+            tally.add(Op::Move, n as u64);
+        }
+        let radii = self.radii.each(larger)?;
+        self.list(radii, lattice, search, tally).map_err(|refusal| match refusal {
+            Refusal::Pairs { found, particles, room } if skin > 0.0 => {
+                Refusal::Listed { found, particles, room, skin }
+            }
+            other => other,
+        })?;
+        (self.age, self.summed) = (Some(0), 0.0);
+        (self.half, self.rounding) = (half, rounding);
+        Ok(true)
+    }
+
+    /// Lists the pairs that touch if the particles in their places have these radii.
+    fn list(
+        &mut self,
+        radii: Radii<'_, f64>,
+        lattice: Option<&Lattice>,
+        search: &mut Searcher,
+        tally: Option<&mut Tally>,
+    ) -> Result<(), Refusal>
+    where
+        for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+    {
+        let wider: AnyScene<'_> =
+            Scene::new(&self.then[..], radii).map_err(|_| Refusal::Range)?.into();
+        self.listed.clear();
+        let mut contacts = ContactList {
+            plain: std::mem::take(&mut self.listed),
+            shifted: std::mem::take(&mut self.around.through),
+        };
+        let listed = match lattice {
+            None => search.find(Frame::Open(&wider, Test::Exact), tally, &mut contacts),
+            Some(lattice) => {
+                Periodic::new(wider, *lattice).map_err(|_| Refusal::Range).and_then(|wider| {
+                    search.find(Frame::Boxed(&wider, Arithmetic::Exact), tally, &mut contacts)
+                })
+            }
+        };
+        (self.listed, self.around.through) = (contacts.plain, contacts.shifted);
+        listed.map(drop)
+    }
+
+    /// Puts the scene's particles into their places, and keeps `last` positions of this frame.
+    fn place<T: Real>(
+        &mut self,
+        scene: &Scene<'_, T, D>,
+        corners: Corners<D>,
+        last: usize,
+    ) -> Result<(), Refusal> {
+        let (n, centres) = (scene.len(), scene.centres());
         self.spots.clear();
         reserve(&mut self.spots, n)?;
         self.spots.resize(n, Spot::default());
@@ -156,54 +202,13 @@ impl<const D: usize> Kept<D> {
         cells::places(points, corners, &mut self.listed, |particle, place| {
             self.spots[place].id = particle;
         })?;
-        if let Some(tally) = tally.as_deref_mut() {
-            tally.add(Op::Integerise, (n * D) as u64);
-            tally.add(Op::Move, n as u64);
-        }
         self.then.extend(self.spots.iter().map(|spot| wide(&centres[spot.id as usize])));
         self.last.extend_from_slice(&self.then[..last]);
-        self.unit = Unit::new(corners, 2.0 * largest);
+        self.unit = Unit::new(corners, 2.0 * scene.largest_radius().wide());
         for (spot, at) in self.spots.iter_mut().zip(&self.then) {
             self.unit.put(spot, at);
         }
-        self.radii.take(scene, &self.spots)?;
-        let wider = match &self.radii {
-            KeptRadii::Each { placed, .. } => {
-                let mut radii = Vec::new();
-                reserve(&mut radii, n)?;
-                radii.extend(placed.iter().map(|&r| larger(r)));
-                Radii::Each(radii.into())
-            }
-            KeptRadii::Uniform(r) => Radii::Uniform(larger(*r)),
-        };
-        let wider = Scene::new(&self.then[..], wider)
-            .map_err(|_| Refusal::Skin { skin, diameter: 2.0 * largest })?;
-        self.listed.clear();
-        let wider: AnyScene<'_> = wider.into();
-        let mut contacts = ContactList {
-            plain: std::mem::take(&mut self.listed),
-            shifted: std::mem::take(&mut self.around.through),
-        };
-        let listed = match lattice {
-            None => search.find(Frame::Open(&wider, Test::Exact), tally, &mut contacts),
-            Some(lattice) => match Periodic::new(wider, *lattice) {
-                Ok(wider) => {
-                    let frame = Frame::Boxed(&wider, Arithmetic::Exact);
-                    search.find(frame, tally, &mut contacts)
-                }
-                Err(_) => Err(Refusal::Range),
-            },
-        };
-        (self.listed, self.around.through) = (contacts.plain, contacts.shifted);
-        listed.map_err(|refusal| match refusal {
-            Refusal::Pairs { found, particles, room } if skin > 0.0 => {
-                Refusal::Listed { found, particles, room, skin }
-            }
-            other => other,
-        })?;
-        (self.age, self.summed) = (Some(0), 0.0);
-        (self.half, self.rounding) = (half, rounding);
-        Ok(true)
+        self.radii.take(scene, &self.spots)
     }
 
     pub fn skin(&self) -> f64 {
@@ -336,7 +341,34 @@ pub(super) struct Wanted<'a> {
     pub lattice: Option<&'a Lattice>,
 }
 
+/// Returns the bytes needed to build a list, without the list.
+fn needed<T: Real, const D: usize>(scene: &Scene<'_, T, D>, last: usize, boxed: bool) -> u64 {
+    let n = scene.len();
+    let each = match scene.radii() {
+        // Bytes of three radii per particle: in the scene's order, by place, and enlarged.
+        Radii::Each(_) => 24,
+        Radii::Uniform(_) => 0,
+    };
+    (n + last) as u64 * POINT * D as u64
+        + n as u64 * (SPOT + each)
+        + cells::room(n) as u64 * PAIR_BYTES
+        + if boxed { 8 * n.div_ceil(64) as u64 } else { 0 }
+}
+
 impl KeptRadii {
+    /// Returns the radii by place, each one changed by `change`.
+    fn each(&self, change: impl Fn(f64) -> f64) -> Result<Radii<'static, f64>, Refusal> {
+        Ok(match self {
+            KeptRadii::Each { placed, .. } => {
+                let mut radii = Vec::new();
+                reserve(&mut radii, placed.len())?;
+                radii.extend(placed.iter().map(|&r| change(r)));
+                Radii::Each(radii.into())
+            }
+            KeptRadii::Uniform(r) => Radii::Uniform(change(*r)),
+        })
+    }
+
     fn are<T: Real, const D: usize>(&self, scene: &Scene<'_, T, D>) -> bool {
         match (self, scene.radii()) {
             (KeptRadii::Uniform(kept), Radii::Uniform(r)) => *kept == r.wide(),

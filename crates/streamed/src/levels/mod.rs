@@ -1,15 +1,17 @@
 //! Detection in scenes of very different sizes: each size class is swept in its own grid, and
 //! larger particles visit the grids of smaller ones.
 
+mod ball;
+mod visits;
+
+use super::bounds::Bounds;
 use super::classes::{Class, Classes, MOST};
 use super::dense::{Bundles, grow};
 use super::grid::{Domain, FEW, Grid, axes};
-use super::kernel::Bounds;
 use super::lists::{Lists, Record};
 use super::output::Output;
 use super::plan::Plan;
 use super::slab::Slab;
-use super::visits::{Host, Visit};
 use super::{Deliver, NAME, Streamed, Worker, numbered};
 use contactbench_ground::contact::Bodies;
 use contactbench_ground::detect::company::{CROWD, company};
@@ -18,6 +20,7 @@ use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::pairs::sink::Sink;
 use contactbench_ground::probe::{Op, Probe};
 use contactbench_ground::scene::Real;
+use visits::{Host, Visit};
 
 /// Two grids must differ by less than this factor in their steps: squares of distances, up to 2^124
 /// at this limit, must fit in f32.
@@ -56,16 +59,8 @@ impl<const D: usize> Streamed<D> {
         let count = classes.all().len();
         let all = || levels.iter().flatten();
         let shape = || format!("{n} particles in {count} classes of sizes");
-        let records: u64 =
-            all().map(|of| Lists::<D, f32>::bytes(of.class.bodies, of.plan.slabs)).sum();
-        let cells = all().map(|of| of.plan.cells()).max().unwrap_or(0);
-        let structs = size_of::<Worker<D>>() + count * size_of::<Lists<D, f32>>();
-        let needed = |most: usize| {
-            let room = (most * size_of::<Record<D, f32>>()) as u64;
-            records + 2 * Slab::<D>::bytes(most, cells, true) + room + structs as u64
-        };
         let mean = all().map(|of| of.class.bodies.div_ceil(of.plan.slabs)).max().unwrap_or(0);
-        within(options, NAME, needed(mean), shape)?;
+        within(options, NAME, needed(&levels, mean), shape)?;
         grow(&mut each.lists, count);
         grow(workers, 1);
         let (lists, worker) = (&mut each.lists[..count], &mut workers[0]);
@@ -77,9 +72,9 @@ impl<const D: usize> Streamed<D> {
             (0..of.plan.slabs).map(|slab| lists.len(slab)).max().unwrap_or(0)
         };
         let most = all().zip(lists).map(lengths).max().unwrap_or(0);
-        *formula = needed(most);
+        *formula = needed(&levels, most);
         within(options, NAME, *formula, shape)?;
-        worker.slabs.iter_mut().for_each(|slab| slab.prepare(most, cells, true));
+        worker.slabs.iter_mut().for_each(|slab| slab.prepare(most, cells(&levels), true));
         Record::<D, f32>::prepare(&mut worker.room, most);
         let touch = |i, j, probe: &mut P| bodies.touch(i, j, probe);
         let mut deliver = Deliver::new(&touch, probe, sink);
@@ -156,6 +151,20 @@ impl<const D: usize> Streamed<D> {
         }
         Ok(Some(levels))
     }
+}
+
+/// Returns the largest number of cells in a bundle of layers of any class.
+fn cells<const D: usize>(levels: &Levels<D>) -> usize {
+    levels.iter().flatten().map(|of| of.plan.cells()).max().unwrap_or(0)
+}
+
+/// Returns the bytes of all arrays if the longest bundle has `most` particles.
+fn needed<const D: usize>(levels: &Levels<D>, most: usize) -> u64 {
+    let all = || levels.iter().flatten();
+    let records: u64 = all().map(|of| Lists::<D, f32>::bytes(of.class.bodies, of.plan.slabs)).sum();
+    let structs = size_of::<Worker<D>>() + all().count() * size_of::<Lists<D, f32>>();
+    let room = most * size_of::<Record<D, f32>>();
+    records + 2 * Slab::<D>::bytes(most, cells(levels), true) + (room + structs) as u64
 }
 
 fn fill<T: Real, const D: usize>(
