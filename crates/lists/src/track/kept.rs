@@ -7,6 +7,7 @@ use super::around::Around;
 use super::cells::{self, Room};
 use super::pass::{Each, Pass, Reach, Same};
 use super::places::Unit;
+use super::radii::KeptRadii;
 use super::rule::{Displacements, Looks, Rule};
 use super::travel::{TopTwo, at_most, square};
 use crate::searcher::Searcher;
@@ -43,17 +44,6 @@ pub(super) struct Kept<const D: usize> {
     /// Sum over the frames since the list was built of each frame's largest displacement.
     summed: f64,
     around: Around<D>,
-}
-
-enum KeptRadii {
-    Uniform(f64),
-    Each { given: Vec<f64>, placed: Vec<f64> },
-}
-
-impl Default for KeptRadii {
-    fn default() -> KeptRadii {
-        KeptRadii::Uniform(0.0)
-    }
 }
 
 impl<const D: usize> Kept<D> {
@@ -353,56 +343,6 @@ fn needed<T: Real, const D: usize>(scene: &Scene<'_, T, D>, last: usize, boxed: 
         + n as u64 * (SPOT + each)
         + cells::room(n) as u64 * PAIR_BYTES
         + if boxed { 8 * n.div_ceil(64) as u64 } else { 0 }
-}
-
-impl KeptRadii {
-    /// Returns the radii by place, each one changed by `change`.
-    fn each(&self, change: impl Fn(f64) -> f64) -> Result<Radii<'static, f64>, Refusal> {
-        Ok(match self {
-            KeptRadii::Each { placed, .. } => {
-                let mut radii = Vec::new();
-                reserve(&mut radii, placed.len())?;
-                radii.extend(placed.iter().map(|&r| change(r)));
-                Radii::Each(radii.into())
-            }
-            KeptRadii::Uniform(r) => Radii::Uniform(change(*r)),
-        })
-    }
-
-    fn are<T: Real, const D: usize>(&self, scene: &Scene<'_, T, D>) -> bool {
-        match (self, scene.radii()) {
-            (KeptRadii::Uniform(kept), Radii::Uniform(r)) => *kept == r.wide(),
-            (KeptRadii::Each { given, .. }, Radii::Each(radii)) => {
-                given.len() == radii.len()
-                    && given.iter().zip(&**radii).all(|(a, b)| *a == b.wide())
-            }
-            _ => false,
-        }
-    }
-
-    fn take<T: Real, const D: usize>(
-        &mut self,
-        scene: &Scene<'_, T, D>,
-        spots: &[Spot],
-    ) -> Result<(), Refusal> {
-        *self = match scene.radii() {
-            Radii::Uniform(r) => KeptRadii::Uniform(r.wide()),
-            Radii::Each(radii) => {
-                let (mut given, mut placed) = match std::mem::take(self) {
-                    KeptRadii::Each { given, placed } => (given, placed),
-                    KeptRadii::Uniform(_) => Default::default(),
-                };
-                for list in [&mut given, &mut placed] {
-                    list.clear();
-                    reserve(list, radii.len())?;
-                }
-                given.extend(radii.iter().map(|r| r.wide()));
-                placed.extend(spots.iter().map(|spot| given[spot.id as usize]));
-                KeptRadii::Each { given, placed }
-            }
-        };
-        Ok(())
-    }
 }
 
 fn wide<T: Real, const D: usize>(centre: &Point<T, D>) -> Point<f64, D> {

@@ -17,6 +17,7 @@ mod cells;
 mod kept;
 mod pass;
 mod places;
+mod radii;
 mod rule;
 mod travel;
 mod tuner;

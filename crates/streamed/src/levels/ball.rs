@@ -91,7 +91,7 @@ impl<const D: usize> Host<'_, D> {
             return;
         }
         for layer in first..=last {
-            let (of_layer, z) = ball.from_cell(D - 1, layer);
+            let (of_layer, z) = ball.gap_to(D - 1, layer);
             let left = square - of_layer;
             if left < 0.0 {
                 continue;
@@ -139,7 +139,7 @@ impl<const D: usize> Ball<'_, D> {
     /// Returns the squared distance of the visitor from a cell along an axis, and its offset from
     /// the cell's origin.
     #[inline(always)]
-    fn from_cell(&self, axis: usize, cell: usize) -> (f64, f32) {
+    fn gap_to(&self, axis: usize, cell: usize) -> (f64, f32) {
         let origin = self.visitor.at[axis] - cell as f64 * self.one;
         let gap = max(max(-origin, origin - self.one), 0.0);
         (gap * gap, origin as f32)
@@ -156,7 +156,7 @@ impl<const D: usize> Ball<'_, D> {
         let Visitor { at, radius, grow, id, .. } = *self.visitor;
         while row <= last {
             let next = last.min(row + 1);
-            let ((of_row, y), (of_next, _)) = (self.from_cell(1, row), self.from_cell(1, next));
+            let ((of_row, y), (of_next, _)) = (self.gap_to(1, row), self.gap_to(1, next));
             let (rows, chord) = if self.wide {
                 (next + 1 - row, max(left - min(of_row, of_next), 0.0).sqrt())
             } else {

@@ -79,11 +79,7 @@ impl<const D: usize> Streamed<D> {
         let touch = |i, j, probe: &mut P| bodies.touch(i, j, probe);
         let mut deliver = Deliver::new(&touch, probe, sink);
         let slack = bodies.slack();
-        let mut hosts = [None; MOST];
-        for ((host, of), lists) in hosts.iter_mut().zip(all()).zip(lists) {
-            let largest = of.class.largest;
-            *host = Some(Host { grid: &of.grid, plan: &of.plan, largest, lists });
-        }
+        let hosts = hosts(&levels, lists);
         for (k, of) in all().enumerate() {
             let (plan, bounds) = (of.plan, of.bounds);
             let bundles = Bundles { lists: &lists[k..=k], plan, bounds, level: *level };
@@ -93,8 +89,7 @@ impl<const D: usize> Streamed<D> {
                 slabs,
                 &mut deliver,
                 &mut |number, slab, scratch, sink| {
-                    let larger = &hosts[..k];
-                    let Some(host) = hosts[k] else { return };
+                    let (larger, Some(host)) = (&hosts[..k], hosts[k]) else { return };
                     let output = Output::new(&mut scratch.pairs, sink);
                     level.run(Visit { larger, host, slack, number, slab, output });
                 },
@@ -165,6 +160,18 @@ fn needed<const D: usize>(levels: &Levels<D>, most: usize) -> u64 {
     let structs = size_of::<Worker<D>>() + all().count() * size_of::<Lists<D, f32>>();
     let room = most * size_of::<Record<D, f32>>();
     records + 2 * Slab::<D>::bytes(most, cells(levels), true) + (room + structs) as u64
+}
+
+fn hosts<'a, const D: usize>(
+    levels: &'a Levels<D>,
+    lists: &'a [Lists<D, f32>],
+) -> [Option<Host<'a, D>>; MOST] {
+    let mut hosts = [None; MOST];
+    for ((host, of), lists) in hosts.iter_mut().zip(levels.iter().flatten()).zip(lists) {
+        let largest = of.class.largest;
+        *host = Some(Host { grid: &of.grid, plan: &of.plan, largest, lists });
+    }
+    hosts
 }
 
 fn fill<T: Real, const D: usize>(
