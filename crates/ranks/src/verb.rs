@@ -16,7 +16,6 @@ use contactbench::cli::shared::input::tell;
 use contactbench::cli::shared::limit::Limit;
 use contactbench::cli::shared::scene::Source;
 use contactbench::cli::shared::{terminal, values};
-use contactbench::experiment::shard;
 #[cfg(feature = "mpi")]
 use contactbench::io::Place;
 use contactbench::io::write::append;
@@ -84,7 +83,7 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
         memory_limit: options.limit.bytes(n),
         steps: options.steps,
     };
-    if shard::rank().is_some_and(|(_, size)| size > 1 || cfg!(feature = "mpi")) {
+    if mpi_size().is_some_and(|size| size > 1 || cfg!(feature = "mpi")) {
         return by_mpi(options, name, &setting);
     }
     let origin = input.origin(name)?;
@@ -114,6 +113,12 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
 
 /// Maximum number of ranks that are threads; more would take longer to start than to work.
 const MOST_THREADS: usize = 64;
+
+/// Number of processes of this MPI job: Open MPI, MPICH or a step of Slurm.
+fn mpi_size() -> Option<usize> {
+    let size = |name: &str| std::env::var(name).ok()?.trim().parse().ok();
+    ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"].into_iter().find_map(size)
+}
 
 #[cfg(feature = "mpi")]
 fn by_mpi<'a>(

@@ -9,7 +9,7 @@ use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::progress::Terminal;
 use crate::cli::shared::terminal;
 use crate::cli::shared::values;
-use contactbench_record::experiment::shard::Part;
+use contactbench_record::experiment::shard::Shard;
 use contactbench_record::record::row;
 use contactbench_run::plan::builtin;
 use contactbench_run::run::machine::interrupt::{self, Interrupted};
@@ -36,9 +36,9 @@ pub struct Run {
     /// Another build of contactbench, timed in turns
     #[arg(long, value_name = "PROGRAM", conflicts_with = "shard")]
     against: Option<PathBuf>,
-    /// Part K of N, as in 2/8, or auto (job array, MPI)
+    /// Part K of N, as in 2/8
     #[arg(long, value_name = "K/N")]
-    shard: Option<Part>,
+    shard: Option<Shard>,
     #[command(flatten)]
     ci: Outputs,
 }
@@ -72,14 +72,12 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         // The copy in the record remains the plan of the whole.
         experiment.blocks = experiment.blocks.min(options.blocks.unwrap_or(u32::MAX));
     }
-    let shard = options.shard.map(|part| part.shard);
-    let folder = match (&options.out, options.shard) {
-        (Some(folder), Some(Part { shard, told: true })) => folder.join(shard.file_name()),
-        (Some(folder), _) => folder.clone(),
-        (None, _) => session::folder(name, shard, options.resume)?,
+    let Run { quick, resume, against, shard, .. } = options;
+    let (quick, resume, against, shard) = (*quick, *resume, against.clone(), *shard);
+    let folder = match &options.out {
+        Some(folder) => folder.clone(),
+        None => session::folder(name, shard, resume)?,
     };
-    let Run { quick, resume, against, .. } = options;
-    let (quick, resume, against) = (*quick, *resume, against.clone());
     let asked = Asked { experiments, quick, resume, against, shard };
     // The progress bar is a temporary value, removed at the end of this statement.
     let mut first = || match report::write_quietly(&folder) {
@@ -94,7 +92,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
             writeln!(
                 out,
                 "shard {} has no scenes, because there are more shards than scenes",
-                options.shard.map_or_else(String::new, |part| part.shard.to_string())
+                shard.map_or_else(String::new, |shard| shard.to_string())
             )?;
             options.ci.write("run", &[])?;
             return Ok(ExitCode::SUCCESS);
@@ -125,7 +123,7 @@ fn again(options: &Run, folder: &Path) -> String {
     words.extend(
         options.against.iter().flat_map(|path| ["--against".into(), path.display().to_string()]),
     );
-    words.extend(options.shard.iter().flat_map(|part| ["--shard".into(), part.shard.to_string()]));
+    words.extend(options.shard.iter().flat_map(|shard| ["--shard".into(), shard.to_string()]));
     words.extend(["--resume".into(), "--out".into(), folder.display().to_string()]);
     shlex::try_join(words.iter().map(String::as_str)).unwrap_or_default()
 }
