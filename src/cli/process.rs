@@ -116,9 +116,7 @@ pub fn ended(result: anyhow::Result<ExitCode>) -> ExitCode {
         Err(error) if broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             let damaged = error.chain().any(|cause| cause.is::<Damaged>());
-            let words = format!("contactbench: {}", without_numbers(&format!("{error:#}")));
-            // The error of a damaged record has one line for each fault; other errors are one line.
-            words.splitn(if damaged { usize::MAX } else { 1 }, '\n').for_each(say);
+            say(&format!("contactbench: {}", without_numbers(&format!("{error:#}"))));
             ExitCode::from(if damaged { 1 } else { 2 })
         }
     }

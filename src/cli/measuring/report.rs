@@ -11,7 +11,7 @@ use crate::cli::shared::terminal;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::findings::claim;
 use contactbench_record::findings::trust::failures::Culprit;
-use contactbench_record::record::faults::{self, Fault};
+use contactbench_record::record::faults::Damaged;
 use contactbench_record::record::folder;
 use contactbench_record::record::merge::Part;
 use contactbench_record::record::row::{Outcome, Record};
@@ -49,9 +49,8 @@ pub(super) fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
         let path = folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
         let experiment =
             plan::parse_copy(text).with_context(|| format!("in {}", path.display()))?;
-        let what = format!("its experiment is {}", experiment.name);
-        let fault = Fault { place: path.display().to_string(), what };
-        faults::sound(Vec::from_iter((experiment.name != *name).then_some(fault)))?;
+        let other = || Damaged::new(&path, format!("its experiment is {}", experiment.name));
+        ensure!(experiment.name == *name, other());
         Ok(experiment)
     };
     let experiments = copies.into_iter().map(parse).collect::<anyhow::Result<Vec<_>>>()?;

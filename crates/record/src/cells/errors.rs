@@ -26,7 +26,7 @@ pub fn stored_rate(cell: &Cell) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::cells;
-    use crate::findings::errors::testing::lab;
+    use crate::cells::testing::errors_lab as lab;
     use crate::record::column;
     use contactbench_terms::errors::Errors;
 

@@ -176,3 +176,76 @@ pub fn filter(text: &str) -> Where {
         format!("[[claim]]\nname = 'x'\nkind = 'constant'\nvalue = 'n'\nwhere = {{ {text} }}");
     experiment(&claim).claims[0].filter.clone()
 }
+
+/// Three cases: right everywhere; wrong in f32 and lossy in textbook; refused by all but
+/// direct.
+pub fn hard_lab() -> Lab {
+    let mut lab = Lab::new("e", "hard");
+    for (case, dims) in [("calm", vec![2, 3]), ("tangent", vec![2]), ("far", vec![2, 3])] {
+        for dim in dims {
+            lab.scene("hard", dim).param("case", case);
+            for arithmetic in ["exact", "f32", "textbook"] {
+                for detector in ["direct", "nbs", "sorting", "nothing"] {
+                    lab.arithmetic(arithmetic).detector(detector);
+                    if case == "far" && detector != "direct" {
+                        let reason = format!("{detector} would need 5.{dim}e11 cells; use direct");
+                        lab.fail(Pass::Count, Outcome::Refused, &reason);
+                        continue;
+                    }
+                    let (missed, outcome) = match (case, arithmetic, detector) {
+                        ("tangent", "f32", _) => (3, Outcome::Ok),
+                        ("tangent", "textbook", "nbs" | "sorting") => (2, Outcome::Lossy),
+                        _ => (0, Outcome::Ok),
+                    };
+                    let errors = Errors { missed, ..Errors::default() };
+                    lab.count(&[])
+                        .errors(errors, Causes::default())
+                        .edit(|row| row.outcome = outcome);
+                }
+            }
+        }
+    }
+    lab
+}
+
+pub fn errors(missed: u64, spurious: u64) -> Errors {
+    Errors {
+        missed,
+        spurious,
+        deepest_miss: if missed > 0 { 0.25 } else { 0.0 },
+        ..Errors::default()
+    }
+}
+
+/// 250 true contacts per scene. f32 storage loses 20 and adds 5; with textbook filters, only
+/// nbs loses one.
+pub fn errors_lab() -> Lab {
+    let mut lab = Lab::new("e", "packed");
+    for offset in [0, 1000] {
+        lab.param("offset", offset);
+        for detector in ["nbs", "sorting"] {
+            lab.detector(detector);
+            let input = if offset == 1000 { errors(20, 5) } else { Errors::default() };
+            let causes = Causes {
+                representation: input,
+                predicate: errors(1, 0),
+                search: Errors::default(),
+                stored: errors(1, 0),
+            };
+            lab.arithmetic("f32").count(&[]).errors(
+                Errors { self_pairs: 2, ..errors(input.missed + 1, input.spurious) },
+                causes,
+            );
+            let algorithm = if detector == "nbs" { errors(1, 0) } else { Errors::default() };
+            lab.arithmetic("textbook").count(&[]).errors(
+                algorithm,
+                Causes { search: algorithm, stored: algorithm, ..Causes::default() },
+            );
+            if detector == "nbs" {
+                lab.edit(|row| row.outcome = Outcome::Lossy);
+            }
+            lab.arithmetic("exact").count(&[]).errors(Errors::default(), Causes::default());
+        }
+    }
+    lab
+}

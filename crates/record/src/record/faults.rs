@@ -1,61 +1,45 @@
 //! Checks that rows of one scene have one scene hash and one digest, and that their ids are valid. A
-//! record with a fault is refused, and all faulty rows are listed.
+//! record with a fault is refused.
 
 use std::collections::{BTreeMap, HashMap};
-use std::fmt;
+use std::path::Path;
 
 use crate::record::folder::{done, file};
 use crate::record::id::Projection;
 use crate::record::outcome::Outcome;
 use crate::record::row::Row;
 use contactbench_terms::must;
-use contactbench_terms::number::plural;
 use contactbench_terms::text;
 
 pub const MOST_THREADS: usize = 1024;
-const SHOWN: usize = 20;
 
-#[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
-    /// The file and, if it has lines, the line: `result/samples.jsonl:7`.
-    pub place: String,
-    /// The fault, as a sentence without a full stop.
-    pub what: String,
-}
-
+/// The first fault of a record: its file, with the line if the file has lines, and a sentence.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub struct Damaged(pub Vec<Fault>);
+#[error(
+    "{}; the record is damaged or was edited, and is not used: use an undamaged copy{}",
+    text::line(.0),
+    if .0.contains(file::FILE) {
+        ", or remove this line, and measure it again with contactbench run ... --resume"
+    } else {
+        ""
+    }
+)]
+pub struct Damaged(String);
 
-impl fmt::Display for Damaged {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Damaged(faults) = self;
-        let count = plural(faults.len(), "fault");
-        write!(f, "{count}: the record is damaged or was edited, and is not used")?;
-        for Fault { place, what } in faults.iter().take(SHOWN) {
-            write!(f, "\n{}", text::line(&format!("{place}: {what}")))?;
-        }
-        if faults.len() > SHOWN {
-            write!(f, "\nand {} more", faults.len() - SHOWN)?;
-        }
-        write!(f, "\nuse an undamaged copy")?;
-        if faults.iter().all(|fault| fault.place.contains(file::FILE)) {
-            let again = "contactbench run ... --resume";
-            write!(f, "; or remove these lines, and measure them again with {again}")?;
-        }
-        Ok(())
+impl Damaged {
+    pub fn new(path: &Path, what: impl std::fmt::Display) -> Damaged {
+        Damaged(format!("{}: {what}", path.display()))
+    }
+
+    pub fn at_line(path: &Path, line: usize, what: &str) -> Damaged {
+        Damaged(format!("{}:{line}: {what}", path.display()))
     }
 }
 
-pub fn sound(faults: Vec<Fault>) -> Result<(), Damaged> {
-    if faults.is_empty() { Ok(()) } else { Err(Damaged(faults)) }
-}
-
-pub fn faults(rows: &[Row]) -> Vec<(usize, String)> {
-    let alone = rows.iter().enumerate().filter_map(|(k, row)| Some((k, alone(row).err()?)));
-    let mut found: Vec<(usize, String)> = alone.chain(together(rows)).collect();
-    found.sort();
-    found.dedup_by_key(|fault| fault.0);
-    found
+/// Returns the index and the fault of the first faulty row.
+pub fn fault(rows: &[Row]) -> Option<(usize, String)> {
+    let alone = rows.iter().enumerate().find_map(|(k, row)| Some((k, alone(row).err()?)));
+    alone.or_else(|| together(rows))
 }
 
 fn alone(row: &Row) -> Result<(), String> {
@@ -79,36 +63,30 @@ pub fn is_word(name: &str) -> bool {
         && !name.starts_with('.')
 }
 
-/// The rows with each value.
-type Votes<'a> = BTreeMap<&'a str, Vec<usize>>;
-
-fn together(rows: &[Row]) -> Vec<(usize, String)> {
-    let mut votes: HashMap<(Projection, &str, &str), Votes<'_>> = HashMap::new();
+/// Finds the first row whose scene hash or digest is not that of most rows of its scene.
+fn together(rows: &[Row]) -> Option<(usize, String)> {
+    // The rows with each value, by scene and column.
+    let mut votes: HashMap<(Projection, &str, &str), BTreeMap<&str, Vec<usize>>> = HashMap::new();
     for (k, row) in rows.iter().enumerate() {
         let scene = done::scene(&row.id.clone().anywhere());
-        let (hash, good) = (&row.stats.scene_hash, row.outcome == Outcome::Ok);
-        let digest = row.digest.as_deref().filter(|_| good);
-        let place = (scene.clone(), "digest", &*row.id.arithmetic);
-        if let Some(digest) = digest {
-            votes.entry(place).or_default().entry(digest).or_default().push(k);
-        }
-        if !hash.is_empty() {
-            votes.entry((scene, "scene_hash", "")).or_default().entry(hash).or_default().push(k);
+        let digest = row.digest.as_deref().filter(|_| row.outcome == Outcome::Ok);
+        let hash = Some(&*row.stats.scene_hash).filter(|hash| !hash.is_empty());
+        for (name, of, value) in [("digest", &*row.id.arithmetic, digest), ("scene_hash", "", hash)]
+        {
+            if let Some(value) = value {
+                let votes = votes.entry((scene.clone(), name, of)).or_default();
+                votes.entry(value).or_default().push(k);
+            }
         }
     }
-    let mut found = Vec::new();
-    for ((_, what, _), votes) in votes {
+    let odd = votes.into_iter().filter_map(|((_, name, _), votes)| {
         // If two values are equally frequent, the first one counts as right.
-        let common = votes.iter().max_by_key(|(_, rows)| (rows.len(), usize::MAX - rows[0]));
-        let Some((common, most)) = common.map(|(value, rows)| (*value, rows.len())) else {
-            continue;
-        };
-        for (value, rows) in votes.iter().filter(|(value, _)| **value != common) {
-            let words = format!(
-                "its {what} is {value}, but {most} other rows of the same scene have {common}"
-            );
-            found.extend(rows.iter().map(|&row| (row, words.clone())));
-        }
-    }
-    found
+        let common = votes.iter().max_by_key(|(_, rows)| (rows.len(), usize::MAX - rows[0]))?;
+        let others = votes.iter().filter(|(value, _)| *value != common.0);
+        let (value, rows) = others.min_by_key(|(_, rows)| rows[0])?;
+        let (common, most) = (common.0, common.1.len());
+        let words = "other rows of the same scene have";
+        Some((rows[0], format!("its {name} is {value}, but {most} {words} {common}")))
+    });
+    odd.min()
 }

@@ -104,12 +104,14 @@ impl CellId {
             let plain = variable(name);
             !axes.iter().any(|axis| *axis == plain || *axis == prefixed(&plain))
         };
-        let kept = self.detector_params.iter().filter(|(name, _)| is_kept(name));
-        let over = self.detector_params.get(OVER);
-        let over = over.filter(|_| is_kept(OVER)).map(|over| over.to_string());
-        let others = kept.filter(|(name, _)| *name != OVER);
-        let others = others.map(|(name, value)| format!("{name}={value}"));
-        let pieces: Vec<String> = over.into_iter().chain(others).collect();
+        let mut kept: Vec<_> =
+            self.detector_params.iter().filter(|(name, _)| is_kept(name)).collect();
+        kept.sort_by_key(|(name, _)| *name != OVER);
+        let piece = |(name, value): (&String, &AxisValue)| match &**name {
+            OVER => value.to_string(),
+            _ => format!("{name}={value}"),
+        };
+        let pieces: Vec<String> = kept.into_iter().map(piece).collect();
         let (name, pieces, empty) = (&self.detector, pieces.join(","), pieces.is_empty());
         match self.detector_params.contains_key(OVER) {
             _ if empty => name.clone(),
@@ -119,9 +121,10 @@ impl CellId {
     }
 
     pub fn axis(&self, name: &str) -> Option<AxisValue> {
+        let of_detector = |name: &str| parameter(&self.detector_params, name);
         self.of_scene(name)
-            .or_else(|| self.of_detector(name))
-            .or_else(|| self.of_detector(name.strip_prefix(DETECTOR)?))
+            .or_else(|| of_detector(name))
+            .or_else(|| of_detector(name.strip_prefix(DETECTOR)?))
     }
 
     pub fn parameters(&self) -> Vec<(String, AxisValue)> {
@@ -148,21 +151,16 @@ impl CellId {
     }
 
     pub fn without(&self, axes: &[&str]) -> Projection {
-        let mut left = vec![
-            ("experiment".to_string(), self.experiment.as_str().into()),
-            ("scene".into(), self.scene.as_str().into()),
-            ("dim".into(), u64::from(self.dim).into()),
-        ];
-        left.extend(self.parameters());
-        left.extend([
-            ("order".into(), self.order.as_str().into()),
-            ("n".into(), self.n.into()),
-            ("seed".into(), self.seed.into()),
-            ("arithmetic".into(), self.arithmetic.as_str().into()),
-            (THREADS.into(), u64::from(self.threads()).into()),
-            ("detector".into(), self.subject_without(axes).as_str().into()),
-        ]);
-        Projection(left).without(axes)
+        let field = |name: &&str| {
+            let value = match *name {
+                "detector" => self.subject_without(axes).as_str().into(),
+                name => self.of_scene(name)?,
+            };
+            Some((name.to_string(), value))
+        };
+        let (first, last) = FIELDS.split_at(3);
+        let first = first.iter().filter_map(field).chain(self.parameters());
+        Projection(first.chain(last.iter().filter_map(field)).collect()).without(axes)
     }
 
     pub fn scene_id(&self) -> Projection {
@@ -184,10 +182,6 @@ impl CellId {
             MACHINE => text(self.machine.as_deref()?),
             _ => parameter(&self.params, name),
         }
-    }
-
-    fn of_detector(&self, name: &str) -> Option<AxisValue> {
-        parameter(&self.detector_params, name)
     }
 }
 

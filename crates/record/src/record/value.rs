@@ -4,62 +4,55 @@ use std::hash::{Hash, Hasher};
 
 use serde::{Deserialize, Serialize};
 
-/// The value of an axis: a number, a word, or a truth value; ordered and hashable. Numbers are
-/// compared by value (2 equals 2.0) and come before words.
+/// The value of an axis: a truth value, a number, or a word, in this order. 2 equals 2.0. A whole
+/// number that is not exact as f64 is a word.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(from = "serde_json::Value", into = "serde_json::Value")]
 pub enum AxisValue {
     Bool(bool),
-    Integer(i128),
-    Real(f64),
+    Number(f64),
     Text(String),
 }
 
-/// Whole numbers below this are exact as f64.
+/// Whole numbers up to this are exact as f64.
 const EXACT: f64 = (1u64 << 53) as f64;
 
 impl AxisValue {
     pub fn number(&self) -> Option<f64> {
         match *self {
-            AxisValue::Integer(value) => Some(value as f64),
-            AxisValue::Real(value) => Some(value),
+            AxisValue::Number(value) => Some(value),
             AxisValue::Bool(_) | AxisValue::Text(_) => None,
         }
     }
 
     pub fn parse(text: &str) -> AxisValue {
-        match (text.parse(), text.parse::<f64>(), text.parse()) {
-            (Ok(value), ..) => AxisValue::Integer(value),
-            (_, Ok(value), _) if value.is_finite() => value.into(),
-            (.., Ok(value)) => AxisValue::Bool(value),
-            _ => AxisValue::Text(text.into()),
+        match (text.parse::<f64>(), text.parse::<bool>()) {
+            (Ok(value), _) if value.is_finite() => {
+                let whole = text.parse::<i128>().is_ok();
+                if whole && value.abs() > EXACT { text.into() } else { value.into() }
+            }
+            (_, Ok(value)) => AxisValue::Bool(value),
+            _ => text.into(),
         }
     }
 
-    fn rank(&self) -> u8 {
+    /// Truth values and numbers by size, words by their letters.
+    fn key(&self) -> (u8, i64, &str) {
         match self {
-            AxisValue::Bool(_) => 0,
-            AxisValue::Integer(_) | AxisValue::Real(_) => 1,
-            AxisValue::Text(_) => 2,
+            AxisValue::Bool(value) => (0, i64::from(*value), ""),
+            AxisValue::Number(value) => {
+                // The order of `f64::total_cmp`.
+                let bits = value.to_bits() as i64;
+                (1, bits ^ (((bits >> 63) as u64) >> 1) as i64, "")
+            }
+            AxisValue::Text(value) => (2, 0, value),
         }
     }
 }
 
 impl Ord for AxisValue {
     fn cmp(&self, other: &AxisValue) -> Ordering {
-        match (self, other) {
-            (AxisValue::Bool(a), AxisValue::Bool(b)) => a.cmp(b),
-            (AxisValue::Integer(a), AxisValue::Integer(b)) => a.cmp(b),
-            (AxisValue::Text(a), AxisValue::Text(b)) => a.cmp(b),
-            (a, b) => match (a.number(), b.number()) {
-                // A whole number that is not exact as f64 must not equal its rounded value.
-                (Some(x), Some(y)) => {
-                    let kind = |value: &AxisValue| matches!(value, AxisValue::Real(_));
-                    x.total_cmp(&y).then(kind(a).cmp(&kind(b)))
-                }
-                _ => a.rank().cmp(&b.rank()),
-            },
-        }
+        self.key().cmp(&other.key())
     }
 }
 
@@ -79,12 +72,7 @@ impl Eq for AxisValue {}
 
 impl Hash for AxisValue {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        match self {
-            AxisValue::Bool(value) => value.hash(state),
-            AxisValue::Integer(value) => value.hash(state),
-            AxisValue::Real(value) => value.to_bits().hash(state),
-            AxisValue::Text(value) => value.hash(state),
-        }
+        self.key().hash(state);
     }
 }
 
@@ -92,8 +80,7 @@ impl fmt::Display for AxisValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             AxisValue::Bool(value) => value.fmt(f),
-            AxisValue::Integer(value) => value.fmt(f),
-            AxisValue::Real(value) => value.fmt(f),
+            AxisValue::Number(value) => value.fmt(f),
             AxisValue::Text(value) => f.write_str(value),
         }
     }
@@ -101,17 +88,15 @@ impl fmt::Display for AxisValue {
 
 impl From<u64> for AxisValue {
     fn from(value: u64) -> AxisValue {
-        AxisValue::Integer(value.into())
+        let number = value as f64;
+        if number <= EXACT { number.into() } else { AxisValue::Text(value.to_string()) }
     }
 }
 
 impl From<f64> for AxisValue {
     fn from(value: f64) -> AxisValue {
-        if value.fract() == 0.0 && value.abs() <= EXACT {
-            AxisValue::Integer(value as i128)
-        } else {
-            AxisValue::Real(value)
-        }
+        // -0.0 becomes 0.0.
+        AxisValue::Number(value + 0.0)
     }
 }
 
@@ -126,12 +111,7 @@ impl From<serde_json::Value> for AxisValue {
         match value {
             serde_json::Value::Bool(value) => AxisValue::Bool(value),
             serde_json::Value::String(value) => AxisValue::Text(value),
-            serde_json::Value::Number(number) => number
-                .as_i128()
-                .map(AxisValue::Integer)
-                .or_else(|| number.as_f64().map(AxisValue::from))
-                .unwrap_or_else(|| AxisValue::Text(number.to_string())),
-            other => AxisValue::Text(other.to_string()),
+            other => AxisValue::parse(&other.to_string()),
         }
     }
 }
@@ -140,12 +120,10 @@ impl From<AxisValue> for serde_json::Value {
     fn from(value: AxisValue) -> serde_json::Value {
         match value {
             AxisValue::Bool(value) => value.into(),
-            AxisValue::Integer(value) => match (u64::try_from(value), i64::try_from(value)) {
-                (Ok(value), _) => value.into(),
-                (_, Ok(value)) => value.into(),
-                _ => (value as f64).into(),
-            },
-            AxisValue::Real(value) => value.into(),
+            AxisValue::Number(value) if value.fract() == 0.0 && value.abs() <= EXACT => {
+                (value as i64).into()
+            }
+            AxisValue::Number(value) => value.into(),
             AxisValue::Text(value) => value.into(),
         }
     }
@@ -166,7 +144,10 @@ mod tests {
             ["\"b\"", "10", "1.5", "true", "-3", "\"a\"", "18446744073709551615"].map(read);
         sorted.sort();
         let sorted = sorted.map(|value| serde_json::to_string(&value).unwrap());
-        assert_eq!(sorted, ["true", "-3", "1.5", "10", "18446744073709551615", "\"a\"", "\"b\""]);
+        assert_eq!(
+            sorted,
+            ["true", "-3", "1.5", "10", "\"18446744073709551615\"", "\"a\"", "\"b\""]
+        );
         assert_eq!(
             ["7", "0.3", "false", "avx2", "inf"].map(AxisValue::parse),
             [7u64.into(), 0.3.into(), AxisValue::Bool(false), "avx2".into(), "inf".into()]

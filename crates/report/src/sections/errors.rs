@@ -100,7 +100,7 @@ fn counts(errors: &Errors) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_record::findings::errors::testing::lab;
+    use contactbench_record::cells::testing::errors_lab as lab;
 
     #[test]
     fn the_table_tells_causes_apart_and_folds_what_is_the_same() {

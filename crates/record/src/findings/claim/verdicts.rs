@@ -218,50 +218,10 @@ fn who(answers: &[(&str, &Answer)]) -> Vec<String> {
     groups.into_iter().map(named).collect()
 }
 
-#[doc(hidden)]
-pub mod testing {
-    use crate::cells::testing::Lab;
-    use crate::record::row::{Outcome, Pass};
-    use contactbench_terms::errors::{Causes, Errors};
-
-    /// Three cases: right everywhere; wrong in f32 and lossy in textbook; refused by all but
-    /// direct.
-    pub fn lab() -> Lab {
-        let mut lab = Lab::new("e", "hard");
-        for (case, dims) in [("calm", vec![2, 3]), ("tangent", vec![2]), ("far", vec![2, 3])] {
-            for dim in dims {
-                lab.scene("hard", dim).param("case", case);
-                for arithmetic in ["exact", "f32", "textbook"] {
-                    for detector in ["direct", "nbs", "sorting", "nothing"] {
-                        lab.arithmetic(arithmetic).detector(detector);
-                        if case == "far" && detector != "direct" {
-                            let reason =
-                                format!("{detector} would need 5.{dim}e11 cells; use direct");
-                            lab.fail(Pass::Count, Outcome::Refused, &reason);
-                            continue;
-                        }
-                        let (missed, outcome) = match (case, arithmetic, detector) {
-                            ("tangent", "f32", _) => (3, Outcome::Ok),
-                            ("tangent", "textbook", "nbs" | "sorting") => (2, Outcome::Lossy),
-                            _ => (0, Outcome::Ok),
-                        };
-                        let errors = Errors { missed, ..Errors::default() };
-                        lab.count(&[])
-                            .errors(errors, Causes::default())
-                            .edit(|row| row.outcome = outcome);
-                    }
-                }
-            }
-        }
-        lab
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::testing::lab;
     use super::*;
-    use crate::cells::testing::Lab;
+    use crate::cells::testing::{Lab, hard_lab as lab};
     use crate::record::row::Pass;
 
     fn matrix(lab: &Lab) -> Matrix {

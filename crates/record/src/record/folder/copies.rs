@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use crate::record::faults::Fault;
+use crate::record::faults::Damaged;
 use crate::record::folder;
 use crate::record::origin::provenance;
 
@@ -23,7 +23,8 @@ pub fn field<'a>(copies: impl Iterator<Item = (&'a str, &'a str)>) -> Value {
     json!(copies.map(|(name, text)| (name, sha256(text.as_bytes()))).collect::<BTreeMap<_, _>>())
 }
 
-pub(crate) fn faults(folder: &Path) -> Vec<Fault> {
+/// Fails if a copy is missing or does not have the SHA-256 of every provenance.
+pub(crate) fn sound(folder: &Path) -> Result<(), Damaged> {
     let mut sums: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for provenance in provenance::all(folder) {
         for (name, sum) in provenance.get(FIELD).and_then(Value::as_object).into_iter().flatten() {
@@ -31,18 +32,14 @@ pub(crate) fn faults(folder: &Path) -> Vec<Fault> {
         }
     }
     let copies: BTreeMap<String, PathBuf> = folder::experiments(folder).into_iter().collect();
-    let names: BTreeSet<&String> = sums.keys().chain(copies.keys()).collect();
-    let what = |name: &String| -> Option<String> {
-        let Some(path) = copies.get(name) else { return Some("the copy is missing".into()) };
-        let Some(known) = sums.get(name) else {
-            return Some("no provenance has its SHA-256".into());
-        };
-        let is = std::fs::read(path).map(|text| sha256(&text)).unwrap_or_default();
-        let edited = known.iter().any(|sum| *sum != is);
-        edited.then(|| format!("its SHA-256 is {is}, not that of the provenance: it was edited"))
-    };
-    let place = |name: &String| folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
-    let fault =
-        |name: &String| Some(Fault { place: place(name).display().to_string(), what: what(name)? });
-    names.into_iter().filter_map(fault).collect()
+    for name in sums.keys().chain(copies.keys()) {
+        let place = folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
+        let text = copies.get(name).and_then(|path| std::fs::read(path).ok());
+        let is = text.map(|text| sha256(&text)).unwrap_or_default();
+        if !sums.get(name).is_some_and(|sums| sums.iter().all(|sum| *sum == is)) {
+            let what = "its SHA-256 is not that of the provenance: it is missing or was edited";
+            return Err(Damaged::new(&place, what));
+        }
+    }
+    Ok(())
 }

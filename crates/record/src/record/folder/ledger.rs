@@ -11,6 +11,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::record::faults::Damaged;
 use crate::record::folder::seal;
 
 pub const FILE: &str = "provenance.jsonl";
@@ -67,8 +68,8 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Reads the entries of a folder; older records have none. Invalid lines are skipped, and
-    /// [`faults`] lists them.
+    /// Reads the entries of a folder; older records have none. Invalid lines are skipped;
+    /// [`sound`] refuses them.
     pub fn read(folder: &Path) -> Ledger {
         let text = std::fs::read(folder.join(FILE)).unwrap_or_default();
         let mut ledger = Ledger::default();
@@ -115,9 +116,12 @@ fn lines(text: &[u8]) -> impl Iterator<Item = (usize, Result<Entry, String>)> {
     })
 }
 
-pub fn faults(folder: &Path) -> Vec<(usize, String)> {
-    let text = std::fs::read(folder.join(FILE)).unwrap_or_default();
-    lines(&text).filter_map(|(k, entry)| Some((k, entry.err()?))).collect()
+pub fn sound(path: &Path) -> Result<(), Damaged> {
+    let text = std::fs::read(path).unwrap_or_default();
+    let sound = |(k, entry): (usize, Result<Entry, String>)| {
+        entry.map(drop).map_err(|what| Damaged::at_line(path, k, &what))
+    };
+    lines(&text).try_for_each(sound)
 }
 
 pub struct Writer {
@@ -165,7 +169,7 @@ mod tests {
             writer.write(&Entry::Process(process.clone())).unwrap();
             writer.write(&Entry::Span(span.clone())).unwrap();
             writer.file.write_all(b"{\"entry\":\"spa\xc3").unwrap();
-            assert_eq!(faults(folder.path()), []);
+            assert_eq!(sound(&folder.path().join(FILE)), Ok(()));
         }
         let read = Ledger::read(folder.path());
         assert_eq!(read.processes.values().collect::<Vec<_>>(), [&process]);
@@ -179,10 +183,10 @@ mod tests {
         let path = folder.path().join(FILE);
         std::fs::write(&path, read.text()).unwrap();
         assert_eq!(Ledger::read(folder.path()), read);
-        assert_eq!(faults(folder.path()), []);
+        assert_eq!(sound(&path), Ok(()));
         let busy = read.text().replace("\"others_s\":0.0", "\"others_s\":1.0");
         std::fs::write(&path, busy).unwrap();
-        let [(2, what)] = &faults(folder.path())[..] else { panic!("an edited span") };
-        assert!(what.contains("edited"), "{what}");
+        let what = sound(&path).unwrap_err().to_string();
+        assert!(what.contains(".jsonl:2: ") && what.contains("edited"), "{what}");
     }
 }

@@ -10,35 +10,30 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::record::faults::{self, Damaged, Fault, is_word};
+use crate::record::faults::{Damaged, is_word};
 use crate::record::origin::provenance;
 
 pub const EXPERIMENTS: &str = "experiments";
 const FOLDERS: [&str; 2] = [EXPERIMENTS, "figures"];
 
 /// Refuses links that lead out of the folder, unreadable provenance, and experiments with invalid
-/// names; the error lists all of them.
+/// names.
 pub fn sound(folder: &Path) -> Result<(), Damaged> {
-    let mut found = Vec::new();
     let Ok(root) = folder.canonicalize() else { return Ok(()) };
     for name in [""].into_iter().chain(FOLDERS) {
         for path in entries(&folder.join(name)) {
-            let fault = |what: String| Fault { place: path.display().to_string(), what };
             if path.is_symlink() && !path.canonicalize().is_ok_and(|to| to.starts_with(&root)) {
-                found.push(fault("it is a link that leads out of the folder".into()));
+                return Err(Damaged::new(&path, "it is a link that leads out of the folder"));
             } else if is_provenance(&path) {
-                found.extend(damage(&path).map(fault));
+                whole(&path).map_err(|what| Damaged::new(&path, what))?;
             } else if path.ends_with(ledger::FILE) {
-                let faults = ledger::faults(folder).into_iter();
-                let place = |line| format!("{}:{line}", path.display());
-                found.extend(faults.map(|(line, what)| Fault { place: place(line), what }));
+                ledger::sound(&path)?;
             } else if name == EXPERIMENTS && is_experiment(&path) && !is_word(&stem(&path)) {
-                found.push(fault("its name is not valid for an experiment".into()));
+                return Err(Damaged::new(&path, "its name is not valid for an experiment"));
             }
         }
     }
-    // If the provenance is damaged, its sums are not compared.
-    faults::sound(if found.is_empty() { copies::faults(folder) } else { found })
+    copies::sound(folder)
 }
 
 fn entries(folder: &Path) -> Vec<PathBuf> {
@@ -66,14 +61,9 @@ fn is_provenance(path: &Path) -> bool {
     name == provenance::FILE || name.starts_with("provenance-") && name.ends_with(".json")
 }
 
-fn damage(path: &Path) -> Option<String> {
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) => return Some(format!("it cannot be read: {error}")),
-    };
-    match serde_json::from_slice(&bytes) {
-        Ok(Value::Object(_)) => seal::verify(&bytes).err(),
-        Ok(_) => Some("it is not an object of fields".into()),
-        Err(error) => Some(format!("it is not whole: {error}")),
-    }
+fn whole(path: &Path) -> Result<(), String> {
+    let bytes = std::fs::read(path).map_err(|error| format!("it cannot be read: {error}"))?;
+    let fields = serde_json::from_slice::<serde_json::Map<String, Value>>(&bytes);
+    fields.map_err(|error| format!("it is not an object of fields: {error}"))?;
+    seal::verify(&bytes)
 }

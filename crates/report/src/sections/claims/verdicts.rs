@@ -87,7 +87,7 @@ mod tests {
     use super::*;
     use crate::document::{markdown, plain};
     use crate::table::csv;
-    use contactbench_record::findings::claim::verdicts::testing::lab;
+    use contactbench_record::cells::testing::hard_lab as lab;
 
     #[test]
     fn report_terminal_and_file_agree() {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use flate2::read::MultiGzDecoder;
 use serde::{Deserialize, Serialize};
 
-use crate::record::faults::{self, Fault};
+use crate::record::faults::{self, Damaged};
 use crate::record::folder::seal;
 use crate::record::row::Row;
 
@@ -15,7 +15,6 @@ pub const FILE: &str = "samples.jsonl";
 
 const PACKED: &str = ".gz";
 const LONGEST: u64 = 1 << 24;
-const MOST_FAULTS: usize = 10_000;
 /// Number of unpacked bytes after which reading stops.
 const MOST_BYTES: u64 = 4 << 30;
 
@@ -170,30 +169,22 @@ fn text(path: &Path) -> anyhow::Result<(PathBuf, Box<dyn BufRead>)> {
 }
 
 /// Reads a record, compressed or not. An incomplete last line is left out with a warning. A line of
-/// another schema is an error. Damaged or contradictory lines are reported together as
-/// `faults::Damaged`.
+/// another schema is an error. The first damaged or contradictory line is reported as [`Damaged`].
 pub fn read(path: &Path) -> anyhow::Result<Record> {
     let (path, mut text) = text(path)?;
-    let (mut bytes, mut line, mut found) = (0, Vec::new(), Vec::new());
-    let (mut rows, mut lines, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut record, mut line, mut lines) = (Record::default(), Vec::new(), Vec::new());
     for number in 1.. {
         let length = next_line(&mut *text, &path, &mut line)?;
-        bytes += length;
+        record.bytes += length;
         if length == 0 {
             break;
         }
+        let damaged = |what: &str| Damaged::at_line(&path, number, what);
         let at = || format!("{}: line {number}", path.display());
-        let why = match () {
-            () if length == LONGEST => Some("it is longer than a row"),
-            () if found.len() == MOST_FAULTS => Some("too many faults"),
-            () if bytes > MOST_BYTES => Some("the record is longer than 4 GiB"),
-            () => None,
-        };
-        if let Some(why) = why {
-            found.push((number, format!("{why}: the rest is not read")));
-            break;
-        } else if !line.ends_with(b"\n") {
-            warnings.push(format!(
+        anyhow::ensure!(length < LONGEST, damaged("it is longer than a row"));
+        anyhow::ensure!(record.bytes <= MOST_BYTES, damaged("the record is longer than 4 GiB"));
+        if !line.ends_with(b"\n") {
+            record.warnings.push(format!(
                 "{} is torn (the run was killed while writing it) and was ignored",
                 at()
             ));
@@ -207,20 +198,14 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
                 at(),
                 env!("CARGO_PKG_VERSION")
             );
-            match whole(&line) {
-                Ok(row) => {
-                    rows.push(row);
-                    lines.push(number);
-                }
-                Err(what) => found.push((number, what)),
-            }
+            record.rows.push(whole(&line).map_err(|what| damaged(&what))?);
+            lines.push(number);
         }
     }
-    found.extend(faults::faults(&rows).into_iter().map(|(k, what)| (lines[k], what)));
-    found.sort();
-    let fault = |(line, what)| Fault { place: format!("{}:{line}", path.display()), what };
-    faults::sound(found.into_iter().map(fault).collect())?;
-    Ok(Record { rows, warnings, bytes })
+    match faults::fault(&record.rows) {
+        Some((k, what)) => Err(Damaged::at_line(&path, lines[k], &what).into()),
+        None => Ok(record),
+    }
 }
 
 /// Reads the next line. A length of `LONGEST` means that the line is longer.
@@ -229,8 +214,7 @@ fn next_line(text: &mut dyn BufRead, path: &Path, line: &mut Vec<u8>) -> anyhow:
     match text.take(LONGEST).read_until(b'\n', line) {
         Ok(length) => Ok(length as u64),
         Err(e) if path.to_string_lossy().ends_with(PACKED) => {
-            let what = format!("it cannot be unpacked: {e}");
-            Err(faults::Damaged(vec![Fault { place: path.display().to_string(), what }]).into())
+            Err(Damaged::new(path, format!("it cannot be unpacked: {e}")).into())
         }
         Err(e) => anyhow::bail!("cannot read the record {}: {e}", path.display()),
     }
