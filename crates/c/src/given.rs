@@ -4,8 +4,7 @@ use std::any::Any;
 use std::borrow::Cow;
 
 use contactbench_detectors::oracle::NoTruth;
-use contactbench_ground::limits::refusal::Refusal;
-use contactbench_ground::limits::refusal::no_memory;
+use contactbench_ground::limits::refusal::{Refusal, no_memory, panic_text};
 use contactbench_ground::periodic::LoadError;
 use contactbench_ground::scene::{
     AnyScene, Lattice, LatticeError, Radii, Scene, SceneError, points,
@@ -33,11 +32,7 @@ impl Failure {
         if let Some(refusal) = no_memory(cause) {
             return refusal.into();
         }
-        let said = match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
-            (Some(text), _) => text,
-            (_, Some(text)) => &**text,
-            _ => "panic",
-        };
+        let said = panic_text(cause);
         if said.contains("changed during a detection") {
             return Failure::invalid("an array of the scene was written to during the call");
         }
@@ -54,23 +49,16 @@ impl From<Refusal> for Failure {
     }
 }
 
-impl From<SceneError> for Failure {
-    fn from(error: SceneError) -> Failure {
-        Failure::invalid(error)
-    }
+macro_rules! invalid {
+    ($($error:ty),*) => {$(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Failure {
+                Failure::invalid(error)
+            }
+        }
+    )*};
 }
-
-impl From<LatticeError> for Failure {
-    fn from(error: LatticeError) -> Failure {
-        Failure::invalid(error)
-    }
-}
-
-impl From<LoadError> for Failure {
-    fn from(error: LoadError) -> Failure {
-        Failure::invalid(error)
-    }
-}
+invalid!(SceneError, LatticeError, LoadError);
 
 impl From<NoTruth> for Failure {
     fn from(error: NoTruth) -> Failure {
@@ -86,7 +74,6 @@ impl From<NoTruth> for Failure {
 pub struct Given<'a> {
     pub scene: AnyScene<'a>,
     pub lattice: Option<Lattice>,
-    pub dim: usize,
 }
 
 impl Given<'_> {
@@ -97,14 +84,9 @@ impl Given<'_> {
         let Some(scene) = (unsafe { scene.as_ref() }) else {
             return Err(Failure::invalid("the scene is NULL"));
         };
-        let dim = match scene.dim {
-            2 => 2,
-            3 => 3,
-            dim => {
-                return Err(Failure::invalid(format!(
-                    "dim is {dim}; it is 2 for discs and 3 for spheres"
-                )));
-            }
+        let dim @ (2 | 3) = scene.dim as usize else {
+            let reason = format!("dim is {}; it is 2 for discs and 3 for spheres", scene.dim);
+            return Err(Failure::Invalid(reason));
         };
         // SAFETY: promised by the caller.
         let x = unsafe { rows(scene.x, scene.n, dim, "x") }?;
@@ -129,7 +111,7 @@ impl Given<'_> {
             2 => Scene::new(points::<2>(x.as_chunks().0), radii)?.into(),
             _ => Scene::new(points::<3>(x.as_chunks().0), radii)?.into(),
         };
-        Ok(Given { scene, lattice, dim })
+        Ok(Given { scene, lattice })
     }
 }
 

@@ -6,16 +6,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::limits::memory;
-use contactbench_ground::limits::refusal::{Refusal, reserve};
+use contactbench_ground::limits::refusal::reserve;
 use contactbench_ground::periodic::ContactList;
 use contactbench_ground::periodic::Loaded;
+use contactbench_lists::track::Tracker;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::contactbench_scene;
 use crate::given::{Failure, Given};
 
 /// A searcher or tracker, and the contacts of its last scene. Calls that would have to wait fail.
-pub struct Handle<S> {
+pub struct Handle {
     arithmetic: Arithmetic,
     limit: u64,
     /// Number of calls that are reading the answer; [`SEARCHING`] during a search.
@@ -23,15 +24,17 @@ pub struct Handle<S> {
     process: u32,
     /// Whether the search has threads, which a forked process lacks.
     threads: bool,
-    worker: UnsafeCell<Worker<S>>,
+    worker: UnsafeCell<Worker>,
 }
 
 const SEARCHING: usize = usize::MAX;
 
-struct Worker<S> {
-    search: S,
+type Search = Box<dyn Tracker>;
+
+struct Worker {
+    search: Search,
     /// Creates `search` again after a panic, which may leave `search` in an invalid state.
-    make: Box<dyn Fn() -> S + Send>,
+    make: Box<dyn Fn() -> Search + Send>,
     crew: Option<ThreadPool>,
     answer: Answer,
 }
@@ -51,16 +54,16 @@ pub struct Answer {
 
 // SAFETY: only `search` gives access to the worker, to one thread at a time. `look` gives read
 // access to its answer, to several threads, but not during a search.
-unsafe impl<S: Send> Sync for Handle<S> {}
+unsafe impl Sync for Handle {}
 
-impl<S: Send> Handle<S> {
+impl Handle {
     /// Creates a handle. `limit` is in bytes; 0 selects the default of this machine.
     pub fn new(
         arithmetic: Arithmetic,
         limit: u64,
         threads: usize,
-        make: impl Fn(u64) -> S + Send + 'static,
-    ) -> Result<Handle<S>, Failure> {
+        make: impl Fn(u64) -> Search + Send + 'static,
+    ) -> Result<Handle, Failure> {
         let limit = if limit == 0 { memory::default_limit() } else { limit };
         let crew = if threads == 1 { None } else { Some(pool(threads)?) };
         let make = Box::new(move || make(limit));
@@ -75,15 +78,11 @@ impl<S: Send> Handle<S> {
         })
     }
 
-    /// Finds the contacts of a scene; `find` returns whether a tracker built its list.
+    /// Finds the contacts of a scene.
     ///
     /// # Safety
     /// The scene is NULL, or its numbers can be read.
-    pub unsafe fn contacts(
-        &self,
-        scene: *const contactbench_scene,
-        find: impl FnOnce(&mut S, &Loaded<'_>, &mut ContactList) -> Result<bool, Refusal> + Send,
-    ) -> Result<(), Failure> {
+    pub unsafe fn contacts(&self, scene: *const contactbench_scene) -> Result<(), Failure> {
         self.search(|search, crew, answer| {
             answer.clear();
             // SAFETY: promised by the caller.
@@ -91,20 +90,20 @@ impl<S: Send> Handle<S> {
             let loaded = Loaded::new(&given.scene, given.lattice, self.arithmetic)?;
             loaded.within(self.limit)?;
             let contacts = &mut answer.contacts;
-            let work = || find(search, &loaded, contacts);
+            let mut work = || search.find(loaded.frame(self.arithmetic), None, contacts);
             let found = match crew {
                 Some(crew) => crew.install(work),
                 None => work(),
             };
-            answer.built = found.inspect_err(|_| answer.contacts.clear())?;
-            answer.finish(given.lattice.is_some(), given.dim)
+            answer.built = found.inspect_err(|_| answer.contacts.clear())?.built;
+            answer.finish(given.lattice.is_some(), given.scene.dim())
         })
     }
 
     /// Calls `work` with exclusive access to the search.
     pub fn search(
         &self,
-        work: impl FnOnce(&mut S, &Option<ThreadPool>, &mut Answer) -> Result<(), Failure>,
+        work: impl FnOnce(&mut Search, &Option<ThreadPool>, &mut Answer) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let forked = self.process != std::process::id();
         if forked && self.threads {
@@ -185,9 +184,13 @@ impl Answer {
         &self.contacts.plain
     }
 
-    /// Returns the images of the contacts, in a box only.
-    pub fn images(&self) -> Option<&[i32]> {
-        self.boxed.then_some(&self.images)
+    pub fn pairs_ptr(&self) -> *const u32 {
+        self.pairs().as_flattened().as_ptr()
+    }
+
+    /// Returns the images of the contacts in a box; NULL in open space.
+    pub fn images_ptr(&self) -> *const i32 {
+        if self.boxed { self.images.as_ptr() } else { std::ptr::null() }
     }
 }
 
@@ -198,13 +201,28 @@ pub fn pool(threads: usize) -> Result<ThreadPool, Failure> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use contactbench_detectors::tracker::parse;
+    use contactbench_ground::detect::Options;
+
     use super::*;
 
-    fn handle(threads: usize) -> Handle<u32> {
-        Handle::new(Arithmetic::Exact, 0, threads, |_| 1).ok().expect("threads start")
+    /// Returns a handle that counts in `made` how often it makes a search.
+    fn counted(threads: usize, made: &Arc<AtomicUsize>) -> Handle {
+        let (made, spec) = (made.clone(), parse("every-step(direct)").expect("a tracker"));
+        let make = move |memory_limit| {
+            made.fetch_add(1, Ordering::Relaxed);
+            spec.make(Options { memory_limit, threads })
+        };
+        Handle::new(Arithmetic::Exact, 0, threads, make).ok().expect("threads start")
     }
 
-    fn found(handle: &Handle<u32>) -> Result<(), Failure> {
+    fn handle(threads: usize) -> Handle {
+        counted(threads, &Arc::default())
+    }
+
+    fn found(handle: &Handle) -> Result<(), Failure> {
         handle.search(|_, _, answer| {
             answer.clear();
             answer.contacts.plain.push([0, 1]);
@@ -212,7 +230,7 @@ mod tests {
         })
     }
 
-    fn count(handle: &Handle<u32>) -> Option<usize> {
+    fn count(handle: &Handle) -> Option<usize> {
         handle.look(|answer| answer.pairs().len())
     }
 
@@ -233,23 +251,23 @@ mod tests {
 
     #[test]
     fn a_panic_leaves_no_answer_and_no_half_changed_search() {
-        let handle = handle(1);
+        let made = Arc::default();
+        let handle = counted(1, &made);
         assert!(found(&handle).is_ok());
         let panics = || {
-            handle.search(|search, _, answer| {
-                *search = 7;
+            handle.search(|_, _, answer| {
                 answer.contacts.plain.push([2, 3]);
                 panic!("on purpose")
             })
         };
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(panics)).is_err());
         assert_eq!(count(&handle), None);
-        let mut seen = 0;
-        let again = handle.search(|search, _, _| {
-            seen = *search;
-            Ok(())
-        });
-        assert_eq!((again.is_ok(), seen, count(&handle)), (true, 1, Some(0)));
+        assert_eq!(made.load(Ordering::Relaxed), 1);
+        let again = handle.search(|_, _, _| Ok(()));
+        assert_eq!(
+            (again.is_ok(), made.load(Ordering::Relaxed), count(&handle)),
+            (true, 2, Some(0))
+        );
     }
 
     #[test]

@@ -18,14 +18,14 @@ use contactbench_detectors::oracle::boxes;
 use contactbench_detectors::spec;
 use contactbench_detectors::spec::{DetectorSpec, SpecError};
 use contactbench_detectors::table;
+use contactbench_detectors::tracker::TrackerSpec;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
 use contactbench_ground::limits::memory;
 use contactbench_ground::limits::refusal::reserve;
 use contactbench_ground::periodic;
+use contactbench_ground::periodic::ImagePair;
 use contactbench_ground::periodic::Loaded;
-use contactbench_ground::periodic::{ContactList, ImagePair};
-use contactbench_lists::searcher::Searcher;
 use given::{Failure, Given, rows};
 use handle::{Answer, Handle, pool};
 pub use tracker::*;
@@ -91,10 +91,7 @@ pub struct contactbench_errors {
 
 /// A detector that keeps its buffers, and the contacts of its last scene. Two searches at the same
 /// time are an error; several threads may read the contacts between searches.
-pub struct contactbench_detector {
-    arithmetic: Arithmetic,
-    handle: Handle<Searcher>,
-}
+pub struct contactbench_detector(Handle);
 
 thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
@@ -147,21 +144,42 @@ pub unsafe extern "C" fn contactbench_new(
     memory_limit: u64,
     made: *mut *mut contactbench_detector,
 ) -> c_int {
+    let spec = |text: Option<&str>| {
+        let spec = spec::parse(text.unwrap_or(table::DEFAULT)).map_err(Failure::invalid)?;
+        Ok(TrackerSpec::EveryStep(spec))
+    };
+    // SAFETY: promised by the caller.
+    unsafe {
+        create(made, contactbench_detector, (detector, spec), arithmetic, threads, memory_limit)
+    }
+}
+
+/// Creates a detector or tracker: parses its name, and stores the handle in `made`.
+///
+/// # Safety
+/// Texts are NULL or end with a NUL; `made` is NULL or can be written to.
+unsafe fn create<T>(
+    made: *mut *mut T,
+    wrap: fn(Handle) -> T,
+    (name, parse): (*const c_char, fn(Option<&str>) -> Result<TrackerSpec, Failure>),
+    arithmetic: *const c_char,
+    threads: usize,
+    memory_limit: u64,
+) -> c_int {
     done(|| {
         if made.is_null() {
-            return Err(Failure::invalid("made is NULL; give a place for the detector"));
+            return Err(Failure::invalid("made is NULL; give a place for the result"));
         }
         // SAFETY: `made` is not null, and the caller promises that it can be written to.
         unsafe { made.write(ptr::null_mut()) };
         // SAFETY: the caller promises that texts end with a NUL.
-        let (detector, arithmetic) = unsafe { (text(detector)?, self::arithmetic(arithmetic)?) };
-        let spec = spec::parse(detector.unwrap_or(table::DEFAULT)).map_err(Failure::invalid)?;
-        usable(&spec, threads)?;
-        let make = move |memory_limit| Searcher::new(spec.make(Options { memory_limit, threads }));
+        let (name, arithmetic) = unsafe { (text(name)?, self::arithmetic(arithmetic)?) };
+        let spec = parse(name)?;
+        usable(spec.detector(), threads)?;
+        let make = move |memory_limit| spec.make(Options { memory_limit, threads });
         let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
-        let new = Box::new(contactbench_detector { arithmetic, handle });
         // SAFETY: `made` is not null, and the caller promises that it can be written to.
-        unsafe { made.write(Box::into_raw(new)) };
+        unsafe { made.write(Box::into_raw(Box::new(wrap(handle)))) };
         Ok(())
     })
 }
@@ -226,16 +244,14 @@ pub unsafe extern "C" fn contactbench_contacts(
     detector: *mut contactbench_detector,
     scene: *const contactbench_scene,
 ) -> c_int {
-    done(|| {
-        // SAFETY: the pointer is null, or a detector that was created and not freed.
-        let Some(detector) = (unsafe { detector.as_ref() }) else {
-            return Err(Failure::invalid("the detector is NULL; make one by contactbench_new"));
-        };
-        let find = |search: &mut Searcher, scene: &Loaded<'_>, contacts: &mut ContactList| {
-            search.list(scene, detector.arithmetic, contacts).map(|()| false)
-        };
-        // SAFETY: promised by the caller.
-        unsafe { detector.handle.contacts(scene, find) }
+    // SAFETY: the pointer is null, or a detector that was created and not freed; the caller
+    // promises that the scene can be read.
+    done(|| unsafe { there(detector.as_ref().map(|it| &it.0))?.contacts(scene) })
+}
+
+fn there(handle: Option<&Handle>) -> Result<&Handle, Failure> {
+    handle.ok_or_else(|| {
+        Failure::invalid("the handle is NULL; make one by contactbench_new or ..._tracker_new")
     })
 }
 
@@ -246,8 +262,7 @@ pub unsafe extern "C" fn contactbench_contacts(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_count(detector: *const contactbench_detector) -> usize {
     // SAFETY: the pointer is null, or a detector that was created and not freed.
-    let answer = unsafe { detector.as_ref() }.map(|it| &it.handle);
-    answer.and_then(|it| it.look(|answer| answer.pairs().len())).unwrap_or(0)
+    look(unsafe { detector.as_ref() }.map(|it| &it.0), |answer| answer.pairs().len(), 0)
 }
 
 /// Returns the pairs of the last scene: two particle numbers each, from 0, the smaller first. Each
@@ -259,7 +274,7 @@ pub unsafe extern "C" fn contactbench_count(detector: *const contactbench_detect
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detector) -> *const u32 {
     // SAFETY: the pointer is null, or a detector that was created and not freed.
-    pairs_of(unsafe { detector.as_ref() }.map(|it| &it.handle))
+    look(unsafe { detector.as_ref() }.map(|it| &it.0), Answer::pairs_ptr, ptr::null())
 }
 
 /// Returns the images of the pairs in a box: dim integers each. The first particle touches the
@@ -271,17 +286,12 @@ pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detect
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_images(detector: *const contactbench_detector) -> *const i32 {
     // SAFETY: the pointer is null, or a detector that was created and not freed.
-    images_of(unsafe { detector.as_ref() }.map(|it| &it.handle))
+    look(unsafe { detector.as_ref() }.map(|it| &it.0), Answer::images_ptr, ptr::null())
 }
 
-fn pairs_of<S: Send>(handle: Option<&Handle<S>>) -> *const u32 {
-    let pairs = |answer: &Answer| answer.pairs().as_flattened().as_ptr();
-    handle.and_then(|handle| handle.look(pairs)).unwrap_or(ptr::null())
-}
-
-fn images_of<S: Send>(handle: Option<&Handle<S>>) -> *const i32 {
-    let images = |answer: &Answer| answer.images().map(<[i32]>::as_ptr);
-    handle.and_then(|handle| handle.look(images)?).unwrap_or(ptr::null())
+/// Returns a part of the answer, or `absent` if there is no handle or no answer.
+fn look<R>(handle: Option<&Handle>, part: fn(&Answer) -> R, absent: R) -> R {
+    handle.and_then(|handle| handle.look(part)).unwrap_or(absent)
 }
 
 /// Compares a list of `count` pairs, of particles numbered from 0, with the exact truth. The truth
@@ -321,7 +331,7 @@ pub unsafe extern "C" fn contactbench_verify(
         }
         let images = match given.lattice {
             // SAFETY: promised by the caller.
-            Some(_) => unsafe { rows(images, count, given.dim, "images") }?,
+            Some(_) => unsafe { rows(images, count, given.scene.dim(), "images") }?,
             None => &[],
         };
         // The comparison runs on one thread, since only the caller may decide to use more.
@@ -349,7 +359,7 @@ fn held(
         }
         Loaded::InBox(scene) => {
             let truth = boxes::truth(scene, arithmetic, limit)?.pairs;
-            let named = pairs.iter().zip(images.chunks(given.dim));
+            let named = pairs.iter().zip(images.chunks(given.scene.dim()));
             let mut pairs = copied(named.map(|(&[i, j], image)| {
                 let at = |k| image.get(k).copied().unwrap_or(0);
                 ImagePair::new(i, j, std::array::from_fn(at))

@@ -4,25 +4,17 @@ use std::ffi::{c_char, c_int};
 use std::ptr;
 
 use contactbench_detectors::tracker;
-use contactbench_ground::contact::Arithmetic;
-use contactbench_ground::detect::Options;
-use contactbench_ground::periodic::ContactList;
-use contactbench_ground::periodic::Loaded;
-use contactbench_lists::track::Tracker;
 
 use crate::given::Failure;
-use crate::handle::Handle;
-use crate::{contactbench_scene, done, images_of, pairs_of, text, usable};
+use crate::handle::{Answer, Handle};
+use crate::{contactbench_scene, create, done, look, there};
 
 const DEFAULT: &str = "verlet(streamed-nbs,skin=auto)";
 
 /// A list of near pairs that is kept between frames (a Verlet list), and the contacts of its last
 /// frame. Two steps at the same time are an error; several threads may read the contacts between
 /// steps.
-pub struct contactbench_tracker {
-    arithmetic: Arithmetic,
-    handle: Handle<Box<dyn Tracker>>,
-}
+pub struct contactbench_tracker(Handle);
 
 /// Creates a tracker, to be freed by contactbench_tracker_free, and stores it in `made`; stores
 /// NULL on failure.
@@ -42,23 +34,12 @@ pub unsafe extern "C" fn contactbench_tracker_new(
     memory_limit: u64,
     made: *mut *mut contactbench_tracker,
 ) -> c_int {
-    done(|| {
-        if made.is_null() {
-            return Err(Failure::invalid("made is NULL; give a place for the tracker"));
-        }
-        // SAFETY: `made` is not null, and the caller promises that it can be written to.
-        unsafe { made.write(ptr::null_mut()) };
-        // SAFETY: the caller promises that texts end with a NUL.
-        let (tracker, arithmetic) = unsafe { (text(tracker)?, super::arithmetic(arithmetic)?) };
-        let spec = tracker::parse(tracker.unwrap_or(DEFAULT)).map_err(Failure::invalid)?;
-        usable(spec.detector(), threads)?;
-        let make = move |memory_limit| spec.make(Options { memory_limit, threads });
-        let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
-        let new = Box::new(contactbench_tracker { arithmetic, handle });
-        // SAFETY: `made` is not null, and the caller promises that it can be written to.
-        unsafe { made.write(Box::into_raw(new)) };
-        Ok(())
-    })
+    let spec =
+        |text: Option<&str>| tracker::parse(text.unwrap_or(DEFAULT)).map_err(Failure::invalid);
+    // SAFETY: promised by the caller.
+    unsafe {
+        create(made, contactbench_tracker, (tracker, spec), arithmetic, threads, memory_limit)
+    }
 }
 
 /// Frees a tracker with its list and contacts; does nothing if it is NULL.
@@ -84,28 +65,9 @@ pub unsafe extern "C" fn contactbench_tracker_step(
     tracker: *mut contactbench_tracker,
     scene: *const contactbench_scene,
 ) -> c_int {
-    done(|| {
-        // SAFETY: the pointer is null, or a tracker that was created and not freed.
-        let tracker = unsafe { there(tracker) }?;
-        let arithmetic = tracker.arithmetic;
-        let step =
-            |search: &mut Box<dyn Tracker>, scene: &Loaded<'_>, contacts: &mut ContactList| {
-                search.find(scene.frame(arithmetic), None, contacts).map(|step| step.built)
-            };
-        // SAFETY: promised by the caller.
-        unsafe { tracker.handle.contacts(scene, step) }
-    })
-}
-
-/// # Safety
-/// The pointer is null, or points to a tracker that was created and not freed.
-unsafe fn there<'a>(
-    tracker: *mut contactbench_tracker,
-) -> Result<&'a contactbench_tracker, Failure> {
-    // SAFETY: promised by the caller.
-    unsafe { tracker.as_ref() }.ok_or_else(|| {
-        Failure::invalid("the tracker is NULL; make one by contactbench_tracker_new")
-    })
+    // SAFETY: the pointer is null, or a tracker that was created and not freed; the caller promises
+    // that the scene can be read.
+    done(|| unsafe { there(tracker.as_ref().map(|it| &it.0))?.contacts(scene) })
 }
 
 /// Makes the next frame count as the first. Useful before a frame of other particles or a large
@@ -115,10 +77,10 @@ unsafe fn there<'a>(
 /// The tracker exists.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_tracker_forget(tracker: *mut contactbench_tracker) -> c_int {
+    // SAFETY: the pointer is null, or a tracker that was created and not freed.
+    let tracker = unsafe { tracker.as_ref() }.map(|it| &it.0);
     done(|| {
-        // SAFETY: the pointer is null, or a tracker that was created and not freed.
-        let tracker = unsafe { there(tracker) }?;
-        tracker.handle.search(|search, _, _| {
+        there(tracker)?.search(|search, _, _| {
             search.forget();
             Ok(())
         })
@@ -132,9 +94,7 @@ pub unsafe extern "C" fn contactbench_tracker_forget(tracker: *mut contactbench_
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_tracker_built(tracker: *const contactbench_tracker) -> c_int {
     // SAFETY: the pointer is null, or a tracker that was created and not freed.
-    let tracker = unsafe { tracker.as_ref() };
-    let built = tracker.and_then(|it| it.handle.look(|answer| answer.built));
-    built.map_or(0, c_int::from)
+    look(unsafe { tracker.as_ref() }.map(|it| &it.0), |answer| c_int::from(answer.built), 0)
 }
 
 /// Does what contactbench_count does, for the last frame of this tracker.
@@ -144,8 +104,7 @@ pub unsafe extern "C" fn contactbench_tracker_built(tracker: *const contactbench
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_tracker_count(tracker: *const contactbench_tracker) -> usize {
     // SAFETY: the pointer is null, or a tracker that was created and not freed.
-    let tracker = unsafe { tracker.as_ref() };
-    tracker.and_then(|it| it.handle.look(|answer| answer.pairs().len())).unwrap_or(0)
+    look(unsafe { tracker.as_ref() }.map(|it| &it.0), |answer| answer.pairs().len(), 0)
 }
 
 /// Does what contactbench_pairs does, for the last frame of this tracker.
@@ -157,7 +116,7 @@ pub unsafe extern "C" fn contactbench_tracker_pairs(
     tracker: *const contactbench_tracker,
 ) -> *const u32 {
     // SAFETY: the pointer is null, or a tracker that was created and not freed.
-    pairs_of(unsafe { tracker.as_ref() }.map(|it| &it.handle))
+    look(unsafe { tracker.as_ref() }.map(|it| &it.0), Answer::pairs_ptr, ptr::null())
 }
 
 /// Does what contactbench_images does, for the last frame of this tracker.
@@ -169,5 +128,5 @@ pub unsafe extern "C" fn contactbench_tracker_images(
     tracker: *const contactbench_tracker,
 ) -> *const i32 {
     // SAFETY: the pointer is null, or a tracker that was created and not freed.
-    images_of(unsafe { tracker.as_ref() }.map(|it| &it.handle))
+    look(unsafe { tracker.as_ref() }.map(|it| &it.0), Answer::images_ptr, ptr::null())
 }

@@ -205,6 +205,12 @@ pub fn no_memory(payload: &(dyn Any + Send)) -> Option<Refusal> {
     Some(Refusal::Exhausted { bytes })
 }
 
+/// Returns the text of the payload of a panic.
+pub fn panic_text(payload: &(dyn Any + Send)) -> &str {
+    let text = payload.downcast_ref::<String>().map(String::as_str);
+    text.or(payload.downcast_ref().copied()).unwrap_or("panic")
+}
+
 /// Number of images per particle above which the box is much smaller than the particles.
 const MANY: f64 = 100.0;
 

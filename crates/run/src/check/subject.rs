@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
 use anyhow::Context;
-use contactbench_ground::limits::refusal::no_memory;
+use contactbench_ground::limits::refusal::{no_memory, panic_text};
 
 use crate::check::process::{Foreign, Process};
 use crate::check::{Differences, Wrong};
@@ -197,12 +197,7 @@ pub fn answer(
             if let Some(refusal) = no_memory(&*cause) {
                 return Answer::Wrong(Wrong::Panics(refusal.to_string()));
             }
-            let message = match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
-                (Some(text), _) => text.to_string(),
-                (_, Some(text)) => text.clone(),
-                _ => "no message".into(),
-            };
-            Answer::Wrong(Wrong::Panics(message))
+            Answer::Wrong(Wrong::Panics(panic_text(&*cause).into()))
         }
     }
 }
