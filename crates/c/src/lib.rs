@@ -154,6 +154,8 @@ pub unsafe extern "C" fn contactbench_new(
     }
 }
 
+type Parse = fn(Option<&str>) -> Result<TrackerSpec, Failure>;
+
 /// Creates a detector or tracker: parses its name, and stores the handle in `made`.
 ///
 /// # Safety
@@ -161,7 +163,7 @@ pub unsafe extern "C" fn contactbench_new(
 unsafe fn create<T>(
     made: *mut *mut T,
     wrap: fn(Handle) -> T,
-    (name, parse): (*const c_char, fn(Option<&str>) -> Result<TrackerSpec, Failure>),
+    (name, parse): (*const c_char, Parse),
     arithmetic: *const c_char,
     threads: usize,
     memory_limit: u64,
