@@ -13,7 +13,7 @@ from . import _contactbench as native
 from ._boxes import BoxLike, arrays, count, limit
 
 #: Loads only the native module, in a hundredth of the time of the package with NumPy, and serves as
-#: a runner. The first argument is the module's file.
+#: a runner. Arguments: the module's file, and those of ``contactbench runner``.
 _RUNNER = """
 import signal, sys
 from importlib.util import module_from_spec, spec_from_file_location
@@ -21,7 +21,9 @@ signal.signal(signal.SIGINT, signal.SIG_DFL)
 spec = spec_from_file_location("_contactbench", sys.argv[1])
 module = module_from_spec(spec)
 spec.loader.exec_module(module)
-module.serve(sys.argv[2:])
+given = dict(zip(sys.argv[3::2], sys.argv[4::2]))
+detector, arithmetic = given["--detector"], given["--arithmetic"]
+module.serve(detector, arithmetic, int(given["--threads"]), int(given["--memory-limit"]))
 """
 
 

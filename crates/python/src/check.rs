@@ -7,7 +7,7 @@ use std::time::Duration;
 use contactbench_ground::periodic::ImagePair;
 use contactbench_ground::scene::AnyScene;
 use contactbench_run::check::subject::{Answer, CheckedSubject};
-use contactbench_run::check::{Failure as Found, Limits, Report, Verdict, Wrong, battery};
+use contactbench_run::check::{Failure as Found, Limits, Verdict, Wrong, battery};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::{PyException, PyMemoryError, PyNotImplementedError};
 use pyo3::prelude::*;
@@ -48,7 +48,7 @@ pub fn check<'py>(
     let report = work(py, || {
         let report = battery(&subjects, &[arithmetic], &limits);
         match stopped.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            Some(error) => Err(Failure::Raised(error)),
+            Some(error) => Err(error.into()),
             None => Ok(report?),
         }
     })?;
@@ -57,15 +57,11 @@ pub fn check<'py>(
         Verdict::Wrong => "wrong",
         Verdict::Nothing => "nothing",
     };
-    let Report { cases, scenes, cut, refused, failures, .. } = report;
-    let out = PyDict::new(py);
+    let failures = report.failures.iter().map(|failure| found(py, failure));
+    let out = dict!(py, report => cases, scenes, cut);
     out.set_item("verdict", verdict)?;
-    out.set_item("cases", cases)?;
-    out.set_item("scenes", scenes)?;
-    out.set_item("cut", cut)?;
-    out.set_item("refused", refused.into_iter().collect::<BTreeMap<_, _>>())?;
-    let failures = failures.iter().map(|failure| found(py, failure));
     out.set_item("failures", failures.collect::<PyResult<Vec<_>>>()?)?;
+    out.set_item("refused", report.refused.into_iter().collect::<BTreeMap<_, _>>())?;
     Ok(out)
 }
 
@@ -106,13 +102,12 @@ fn answer(py: Python<'_>, function: &Py<PyAny>, scene: &AnyScene<'static>) -> Py
 }
 
 fn found<'py>(py: Python<'py>, failure: &Found) -> PyResult<Bound<'py, PyDict>> {
-    let out = PyDict::new(py);
-    out.set_item("found_on", &failure.found_on)?;
-    out.set_item("found", failure.found.to_string())?;
-    let (x, r, _) = made(py, &failure.given.scene)?;
-    out.set_item("given", (x, r))?;
-    out.set_item("wrong", failure.wrong.as_ref().map(Wrong::to_string))?;
-    let (x, r, _) = made(py, &failure.smallest.scene)?;
-    out.set_item("smallest", (x, r))?;
-    Ok(out)
+    let scene = |scene| made(py, scene).map(|(x, r, _)| (x, r));
+    Ok(dict!(py;
+        found_on: &failure.found_on,
+        found: failure.found.to_string(),
+        given: scene(&failure.given.scene)?,
+        wrong: failure.wrong.as_ref().map(Wrong::to_string),
+        smallest: scene(&failure.smallest.scene)?,
+    ))
 }

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
 use contactbench_detectors::oracle::NoTruth;
-use contactbench_ground::limits::refusal::{Refusal, no_memory};
+use contactbench_ground::limits::refusal::{Refusal, no_memory, panic_text};
 use contactbench_ground::periodic::LoadError;
 use contactbench_ground::scene::SceneError;
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
@@ -20,35 +20,43 @@ pyo3::create_exception!(
      the detector or the arithmetic can hold."
 );
 
-pub enum Failure {
-    /// Invalid input: `ValueError`.
-    Value(String),
-    /// The detector refuses: `Refused`.
-    Refused(String),
-    /// Memory is exhausted, or its limit is too small: `MemoryError`.
-    Memory(String),
-    /// An exception of the caller's code.
-    Raised(PyErr),
-    /// Another thread has written to an array: `RuntimeError`.
-    Changed,
-    /// The object belongs to the process from which this one was forked: `RuntimeError`.
-    Forked,
-    /// A defect of this package: `RuntimeError`.
-    Defect(String),
-}
+/// An exception that needs no interpreter yet.
+pub struct Failure(PyErr);
 
 impl Failure {
+    /// Invalid input.
     pub fn value(what: impl ToString) -> Failure {
-        Failure::Value(what.to_string())
+        Failure(PyValueError::new_err(what.to_string()))
+    }
+
+    fn memory(what: String) -> Failure {
+        Failure(PyMemoryError::new_err(what))
+    }
+
+    /// The object belongs to the process from which this one was forked.
+    pub fn forked() -> Failure {
+        Failure(PyRuntimeError::new_err(
+            "this object is of the process that this one was forked from, where it had threads or \
+             was at work; make a new one here",
+        ))
+    }
+
+    /// A defect of this package.
+    fn defect(what: String) -> Failure {
+        Failure(PyRuntimeError::new_err(format!(
+            "{what}; unless an array was written to by another thread meanwhile, this is a defect \
+             of contactbench: report it with the input"
+        )))
+    }
+
+    fn refused(refusal: &Refusal, what: String) -> Failure {
+        if refusal.is_of_memory() { Failure::memory(what) } else { Failure(Refused::new_err(what)) }
     }
 }
 
 impl From<Refusal> for Failure {
     fn from(refusal: Refusal) -> Failure {
-        match refusal.is_of_memory() {
-            true => Failure::Memory(refusal.to_string()),
-            false => Failure::Refused(refusal.to_string()),
-        }
+        Failure::refused(&refusal, refusal.to_string())
     }
 }
 
@@ -61,7 +69,7 @@ impl From<SceneError> for Failure {
 impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Failure {
         match error {
-            LoadError::Stored(_) => Failure::Refused(error.to_string()),
+            LoadError::Stored(_) => Failure(Refused::new_err(error.to_string())),
             LoadError::Boxed(_) => Failure::value(error),
         }
     }
@@ -75,45 +83,27 @@ impl From<anyhow::Error> for Failure {
             let refusal = match cause.downcast_ref::<NoTruth>() {
                 Some(NoTruth::Refused(refusal)) => Some(refusal),
                 Some(NoTruth::Disagree { .. } | NoTruth::Sample { .. }) => {
-                    return Failure::Defect(what);
+                    return Failure::defect(what);
                 }
                 _ => cause.downcast_ref(),
             };
-            match refusal.cloned().map(Failure::from) {
-                Some(Failure::Memory(_)) => return Failure::Memory(what),
-                Some(_) => return Failure::Refused(what),
-                None => {}
+            if let Some(refusal) = refusal {
+                return Failure::refused(refusal, what);
             }
         }
-        Failure::Value(what)
+        Failure::value(what)
     }
 }
 
 impl From<PyErr> for Failure {
     fn from(error: PyErr) -> Failure {
-        Failure::Raised(error)
+        Failure(error)
     }
 }
 
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> PyErr {
-        match failure {
-            Failure::Value(what) => PyValueError::new_err(what),
-            Failure::Refused(what) => Refused::new_err(what),
-            Failure::Memory(what) => PyMemoryError::new_err(what),
-            Failure::Raised(error) => error,
-            Failure::Changed => PyRuntimeError::new_err(
-                "an array was written to by another thread while it was read; give a copy of it",
-            ),
-            Failure::Forked => PyRuntimeError::new_err(
-                "this object is of the process that this one was forked from, where it had threads \
-                 or was at work; make a new one here",
-            ),
-            Failure::Defect(what) => PyRuntimeError::new_err(format!(
-                "{what}; unless an array was written to by another thread meanwhile, this is a \
-                 defect of contactbench: report it with the input"
-            )),
-        }
+        failure.0
     }
 }
 
@@ -136,16 +126,14 @@ fn caught<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
         if let Some(refusal) = no_memory(&*cause) {
             return Err(refusal.into());
         }
-        let words = match (cause.downcast_ref::<String>(), cause.downcast_ref::<&str>()) {
-            (Some(text), _) => text.as_str(),
-            (_, Some(text)) => *text,
-            _ => "panic",
-        };
+        let words = panic_text(&*cause);
         if words.contains(CHANGED) {
-            return Err(Failure::Changed);
+            return Err(Failure(PyRuntimeError::new_err(
+                "an array was written to by another thread while it was read; give a copy of it",
+            )));
         }
         let place = PANICKED.lock().unwrap_or_else(PoisonError::into_inner);
-        Err(Failure::Defect(format!("{words}{place}")))
+        Err(Failure::defect(format!("{words}{place}")))
     })
 }
 
@@ -172,24 +160,20 @@ pub fn work<R: Send>(
     Ok(py.detach(|| caught(work))?)
 }
 
-/// Does long work in another thread while the main thread checks for signals, so that Ctrl-C ends
-/// the call at once. The other thread then continues with data of its own, and drops its result.
-/// Only the main thread gets signals: others do the work themselves.
+/// Does long work in another thread while this one checks for signals, so that Ctrl-C ends the call
+/// at once. The other thread then continues with data of its own, and drops its result.
 pub fn patient<R: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&Stop) -> Result<R, Failure> + Send + 'static,
 ) -> PyResult<R> {
     let stop = Stop::default();
-    if !is_main_thread() {
-        return self::work(py, || work(&stop));
-    }
     let (sender, receiver) = mpsc::sync_channel(1);
     let its = stop.clone();
     let begun = std::thread::Builder::new().name("contactbench".into()).spawn(move || {
         // Sending fails if the caller no longer waits.
         let _ = sender.send(caught(|| work(&its)));
     });
-    begun.map_err(|error| Failure::Memory(format!("a thread could not be started: {error}")))?;
+    begun.map_err(|error| Failure::memory(format!("a thread could not be started: {error}")))?;
     // Only this thread uses the channel, but work without the interpreter's lock requires `Sync`.
     let receiver = Mutex::new(receiver);
     loop {
@@ -204,21 +188,10 @@ pub fn patient<R: Send + 'static>(
                 }
             }
             Err(mpsc::RecvTimeoutError::Disconnected) => {
-                return Err(Failure::Defect("a thread has ended without an answer".into()).into());
+                return Err(Failure::defect("a thread has ended without an answer".into()).into());
             }
         }
     }
-}
-
-#[cfg(target_os = "linux")]
-pub fn is_main_thread() -> bool {
-    // SAFETY: both calls only return a number.
-    unsafe { libc::getpid() == libc::gettid() }
-}
-
-#[cfg(not(target_os = "linux"))]
-pub fn is_main_thread() -> bool {
-    true
 }
 
 /// Makes a pool for one owner: a process that is forked later lacks the threads of a shared pool.
@@ -228,6 +201,6 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
     }
     let made = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     made.map_err(|error| {
-        Failure::Memory(format!("{threads} threads could not be started: {error}"))
+        Failure::memory(format!("{threads} threads could not be started: {error}"))
     })
 }

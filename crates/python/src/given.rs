@@ -17,12 +17,11 @@ use crate::failure::Failure;
 /// Vectors, periodic flags and corner of a box.
 pub type Edges = ([[f64; 3]; 3], [bool; 3], [f64; 3]);
 
-/// Borrowed arrays. While they are borrowed, no thread may write to them.
-#[derive(Clone, Copy)]
+/// Arrays of a scene. While they are borrowed, no thread may write to them.
 pub struct Arrays<'a> {
-    x: &'a [f64],
+    x: Cow<'a, [f64]>,
     dim: usize,
-    r: &'a [f64],
+    r: Cow<'a, [f64]>,
     edges: Option<Edges>,
 }
 
@@ -50,8 +49,8 @@ impl<'a> Arrays<'a> {
             )));
         }
         let apart = |_| Failure::value("an array is not contiguous; give a copy of it");
-        let x = x.as_slice().map_err(apart)?;
-        Ok(Arrays { x, dim, r: r.as_slice().map_err(apart)?, edges })
+        let (x, r) = (x.as_slice().map_err(apart)?, r.as_slice().map_err(apart)?);
+        Ok(Arrays { x: x.into(), dim, r: r.into(), edges })
     }
 
     pub fn len(&self) -> usize {
@@ -75,10 +74,10 @@ impl<'a> Arrays<'a> {
     }
 
     /// Returns the scene without a copy.
-    pub fn scene(&self) -> Result<AnyScene<'a>, Failure> {
-        let radii = match *self.r {
+    pub fn scene(&self) -> Result<AnyScene<'_>, Failure> {
+        let radii = match self.r[..] {
             [r] => Radii::Uniform(r),
-            _ => Radii::Each(Cow::Borrowed(self.r)),
+            _ => Radii::Each(Cow::Borrowed(&*self.r)),
         };
         Ok(match self.dim {
             2 => Scene::new(points::<2>(self.x.as_chunks().0), radii)?.into(),
@@ -90,9 +89,11 @@ impl<'a> Arrays<'a> {
         Ok(self.scene()?.stored(Storage::F64)?)
     }
 
-    pub fn copied(&self) -> Result<Copied, Failure> {
-        let Arrays { x, dim, r, edges } = *self;
-        Ok(Copied { x: copied(x)?, dim, r: copied(r)?, edges })
+    /// Copies the arrays, for work that may outlast its call, after which the caller may write to
+    /// them.
+    pub fn copied(&self) -> Result<Arrays<'static>, Failure> {
+        let (x, r) = (copied(&self.x)?.into(), copied(&self.r)?.into());
+        Ok(Arrays { x, dim: self.dim, r, edges: self.edges })
     }
 
     /// Returns whether a detection may take so long that a user interrupts it. The slowest detector
@@ -109,20 +110,6 @@ impl<'a> Arrays<'a> {
     pub fn lattice(&self) -> Result<Option<Lattice>, Failure> {
         let of = |(vectors, periodic, origin)| Lattice::new(vectors, periodic, origin);
         self.edges.map(of).transpose().map_err(Failure::value)
-    }
-}
-
-/// A copy of arrays, for work that may outlast its call, after which the caller may write to them.
-pub struct Copied {
-    x: Vec<f64>,
-    dim: usize,
-    r: Vec<f64>,
-    edges: Option<Edges>,
-}
-
-impl Copied {
-    pub fn arrays(&self) -> Arrays<'_> {
-        Arrays { x: &self.x, dim: self.dim, r: &self.r, edges: self.edges }
     }
 }
 

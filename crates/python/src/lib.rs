@@ -2,6 +2,18 @@
 //! public part.
 #![allow(clippy::type_complexity)]
 
+/// Makes a Python dictionary of fields of a value, or of names and values.
+macro_rules! dict {
+    ($py:expr, $of:expr => $($field:ident),* $(,)?) => {
+        dict!($py; $($field: $of.$field),*)
+    };
+    ($py:expr; $($name:ident: $value:expr),* $(,)?) => {{
+        let out = pyo3::types::PyDict::new($py);
+        $(out.set_item(stringify!($name), $value)?;)*
+        out
+    }};
+}
+
 mod check;
 mod failure;
 mod given;

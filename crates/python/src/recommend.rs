@@ -1,6 +1,5 @@
 //! Recommends a detector for a scene.
 
-use std::collections::BTreeMap;
 use std::time::Duration;
 
 use contactbench_ground::detect::Options;
@@ -60,32 +59,22 @@ pub fn recommend(
     patient(py, race)
 }
 
-/// Runs as a runner until its input ends, with the arguments of `contactbench runner`.
+/// Runs as a runner until its input ends.
 #[pyfunction]
-pub fn serve(py: Python<'_>, arguments: Vec<String>) -> PyResult<()> {
+pub fn serve(
+    py: Python<'_>,
+    detector: &str,
+    arithmetic: &str,
+    threads: usize,
+    memory_limit: u64,
+) -> PyResult<()> {
     work(py, || {
-        let [verb, pairs @ ..] = &arguments[..] else { return Err(Failure::value("no arguments")) };
-        let (pairs, rest) = pairs.as_chunks::<2>();
-        let known = ["--detector", "--arithmetic", "--threads", "--memory-limit"];
-        let mut names = pairs.iter().map(|[name, _]| name).chain(rest);
-        if let Some(other) = names.find(|name| !known.contains(&name.as_str())) {
-            return Err(Failure::value(format!("a runner has no option '{other}'")));
-        }
-        let pairs = pairs.iter();
-        let given: BTreeMap<&str, &str> = pairs.map(|[name, value]| (&**name, &**value)).collect();
-        let of = |name: &str| {
-            let value = given.get(name).copied().filter(|_| verb == "runner");
-            value.ok_or_else(|| Failure::value(format!("a runner needs {name}; see PROTOCOL.md")))
-        };
-        let whole = |name| of(name)?.parse::<u64>().map_err(Failure::value);
-        let threads = whole("--threads")? as usize;
-        let options = Options { memory_limit: whole("--memory-limit")?, threads };
         if threads > 1 {
             // This only fails if a pool exists, and this process has not made one.
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
-        let arithmetic = arithmetic(of("--arithmetic")?)?;
-        let mut server = Server::new(of("--detector")?, arithmetic, options)?;
+        let options = Options { memory_limit, threads };
+        let mut server = Server::new(detector, self::arithmetic(arithmetic)?, options)?;
         let served = server.serve(std::io::stdin().lock(), std::io::stdout().lock());
         served.map_err(|error| Failure::value(format!("the harness is gone: {error}")))
     })

@@ -17,12 +17,15 @@ use crate::failure::{Failure, pool, work};
 use crate::given::{Edges, Made, made};
 
 #[derive(IntoPyObject)]
-pub enum Values {
-    Text(Vec<Option<String>>),
-    Whole(Vec<Option<i64>>),
-    Number(Vec<Option<f64>>),
-    Flag(Vec<Option<bool>>),
+pub enum Cell {
+    Text(String),
+    Whole(i64),
+    Number(f64),
+    Flag(bool),
 }
+
+/// A column: its name, its kind and its values.
+type Column = (String, &'static str, Vec<Option<Cell>>);
 
 /// Reads a record from a result folder or from its file. Returns three values: the columns, each
 /// with its kind (`text`, `whole`, `number` or `flag`); notes about skipped lines; and the
@@ -40,17 +43,17 @@ pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<(Vec<Column>, Vec<String>
     })
 }
 
-/// A column: its name, its kind and its values.
-type Column = (String, &'static str, Values);
-
 fn text<'a>(name: &str, values: impl Iterator<Item = Option<&'a str>>) -> Column {
-    (name.into(), "text", Values::Text(values.map(|value| value.map(str::to_string)).collect()))
+    (name.into(), "text", values.map(|value| Some(Cell::Text(value?.into()))).collect())
 }
 
 /// A number beyond the range of i64 becomes an absent value.
 fn whole(name: &str, values: impl Iterator<Item = Option<u64>>) -> Column {
-    let values = values.map(|value| value.and_then(|value| value.try_into().ok()));
-    (name.into(), "whole", Values::Whole(values.collect()))
+    (name.into(), "whole", values.map(|value| Some(Cell::Whole(value?.try_into().ok()?))).collect())
+}
+
+fn number(name: &str, values: impl Iterator<Item = Option<f64>>) -> Column {
+    (name.into(), "number", values.map(|value| Some(Cell::Number(value?))).collect())
 }
 
 fn columns(rows: &[Row]) -> Vec<Column> {
@@ -86,7 +89,7 @@ fn columns(rows: &[Row]) -> Vec<Column> {
         match column.is_whole() {
             // All numbers are below 2^53, or the reader has rounded them.
             true => whole(&column.name, numbers.map(|x| x.map(|x| x as u64))),
-            false => (column.name.to_string(), "number", Values::Number(numbers.collect())),
+            false => number(&column.name, numbers),
         }
     }));
     columns.extend([
@@ -120,20 +123,20 @@ fn role_of(role: &Role) -> String {
 
 /// Returns a parameter's column with the simplest kind that holds all of its values.
 fn parameter(name: &str, values: Vec<Option<AxisValue>>) -> Column {
-    let name = name.to_string();
-    let all = |is: fn(&AxisValue) -> bool| values.iter().flatten().all(is);
-    if all(|value| matches!(value, AxisValue::Bool(_))) {
-        let flag = |value: &AxisValue| matches!(value, AxisValue::Bool(true));
-        let values = values.iter().map(|value| value.as_ref().map(flag)).collect();
-        return (name, "flag", Values::Flag(values));
+    if values.iter().flatten().all(|value| matches!(value, AxisValue::Bool(_))) {
+        let flag = |value: &AxisValue| Cell::Flag(matches!(value, AxisValue::Bool(true)));
+        return (
+            name.into(),
+            "flag",
+            values.iter().map(|value| value.as_ref().map(flag)).collect(),
+        );
     }
-    if all(|value| value.number().is_some()) {
-        let numbers: Vec<Option<f64>> =
-            values.iter().map(|value| value.as_ref().and_then(AxisValue::number)).collect();
-        return (name, "number", Values::Number(numbers));
+    if values.iter().flatten().all(|value| value.number().is_some()) {
+        return number(name, values.iter().map(|value| value.as_ref()?.number()));
     }
-    let values = values.iter().map(|value| value.as_ref().map(ToString::to_string)).collect();
-    (name, "text", Values::Text(values))
+    let texts: Vec<_> =
+        values.iter().map(|value| value.as_ref().map(AxisValue::to_string)).collect();
+    text(name, texts.iter().map(Option::as_deref))
 }
 
 /// Makes a scene from a text such as `packed:dim=3,n=1000`, and returns its arrays and box.

@@ -13,14 +13,13 @@ use contactbench_ground::pairs::normalise::smaller_first;
 use contactbench_ground::pairs::pair_list::PAIR_BYTES;
 use contactbench_ground::periodic::ContactList;
 use contactbench_ground::periodic::Loaded;
-use contactbench_ground::probe::Op;
-use contactbench_lists::searcher::Searcher;
+use contactbench_ground::probe::{Op, Tally};
 use contactbench_lists::track::{Step, Tracker};
 use numpy::{PyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
-use crate::failure::{Failure, is_main_thread, patient, pool, work};
+use crate::failure::{Failure, patient, pool, work};
 use crate::given::{Arrays, Edges, answer, arithmetic};
 
 type Answer = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>);
@@ -41,7 +40,7 @@ fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
 
 /// Prepares a scene for the search; fails if it certainly has too many pairs.
 fn loaded<'a>(
-    arrays: &Arrays<'a>,
+    arrays: &'a Arrays<'_>,
     arithmetic: Arithmetic,
     limit: u64,
 ) -> Result<Loaded<'a>, Failure> {
@@ -77,7 +76,7 @@ impl<T> Owned<T> {
             let idle = |lent: &Arc<Mutex<T>>| !self.threads && lent.try_lock().is_ok();
             return match self.of.try_lock() {
                 Ok(lent) if idle(&lent) => Ok(lent.clone()),
-                _ => Err(Failure::Forked),
+                _ => Err(Failure::forked()),
             };
         }
         Ok(self.of.lock().unwrap_or_else(PoisonError::into_inner).clone())
@@ -104,9 +103,9 @@ impl<T> Owned<T> {
             ended.store(true, Ordering::Relaxed);
             result
         };
-        let result = if arrays.are_many() && is_main_thread() {
+        let result = if arrays.are_many() {
             let copy = py.detach(|| arrays.copied())?;
-            patient(py, move |_| search(&copy.arrays()))
+            patient(py, move |_| search(&copy))
         } else {
             work(py, || search(&arrays))
         };
@@ -119,32 +118,16 @@ impl<T> Owned<T> {
     }
 }
 
-enum Spec {
-    Detector(DetectorSpec),
-    Tracker(TrackerSpec),
-}
+pub type Working = (Box<dyn Tracker>, Option<ThreadPool>);
+type Found = (ContactList, Option<usize>, Step);
 
-pub enum Finder {
-    Detector(Box<Searcher>),
-    Tracker(Box<dyn Tracker>),
-}
-
-pub type Working = (Finder, Option<ThreadPool>);
-type Found = (ContactList, Option<usize>, Option<Step>);
-
-#[derive(Clone, Copy, Default)]
-struct Done {
-    steps: u64,
-    builds: u64,
-    dangerous: u64,
-    listed: u64,
-    built: bool,
-}
+/// Steps, builds, dangerous builds, pairs in the last list, and whether the last step built it.
+type Done = (u64, u64, u64, u64, bool);
 
 /// State of the Python classes `Detector` and `Verlet`.
 #[pyclass(frozen)]
 pub struct Search {
-    spec: Spec,
+    spec: TrackerSpec,
     arithmetic: Arithmetic,
     #[pyo3(get)]
     threads: usize,
@@ -154,12 +137,8 @@ pub struct Search {
     done: Mutex<Done>,
 }
 
-fn fresh(spec: &Spec, memory_limit: u64, threads: usize) -> Result<Working, Failure> {
-    let options = Options { memory_limit, threads };
-    let finder = match spec {
-        Spec::Detector(spec) => Finder::Detector(Box::new(Searcher::new(spec.make(options)))),
-        Spec::Tracker(spec) => Finder::Tracker(spec.make(options)),
-    };
+fn fresh(spec: &TrackerSpec, memory_limit: u64, threads: usize) -> Result<Working, Failure> {
+    let finder = spec.make(Options { memory_limit, threads });
     // A single thread needs no pool.
     Ok((finder, if threads == 1 { None } else { Some(pool(threads)?) }))
 }
@@ -177,14 +156,7 @@ impl Search {
             // Unused capacity costs nothing; if the reservation fails, the list grows step by step.
             let most = arrays.len().saturating_mul(4).min((limit / PAIR_BYTES) as usize);
             let _ = contacts.plain.try_reserve_exact(most);
-            let mut find = || match finder {
-                Finder::Detector(searcher) => {
-                    searcher.list(&scene, arithmetic, &mut contacts).map(|()| None)
-                }
-                Finder::Tracker(tracker) => {
-                    tracker.find(scene.frame(arithmetic), None, &mut contacts).map(Some)
-                }
-            };
+            let mut find = || finder.find(scene.frame(arithmetic), None, &mut contacts);
             let step = match crew {
                 Some(pool) => pool.install(find),
                 None => find(),
@@ -225,13 +197,10 @@ impl Search {
         memory_limit: Option<u64>,
     ) -> Result<Search, Failure> {
         let spec = match tracks {
-            true => Spec::Tracker(tracker::parse(text).map_err(Failure::value)?),
-            false => Spec::Detector(spec::parse(text).map_err(Failure::value)?),
+            true => tracker::parse(text).map_err(Failure::value)?,
+            false => TrackerSpec::EveryStep(spec::parse(text).map_err(Failure::value)?),
         };
-        match &spec {
-            Spec::Detector(spec) => usable(spec, threads)?,
-            Spec::Tracker(spec) => usable(spec.detector(), threads)?,
-        }
+        usable(spec.detector(), threads)?;
         let memory_limit = memory_limit.unwrap_or_else(memory::default_limit);
         let finder = Owned::new(fresh(&spec, memory_limit, threads)?, threads);
         let (arithmetic, done) = (self::arithmetic(arithmetic)?, Mutex::default());
@@ -241,8 +210,8 @@ impl Search {
     #[getter]
     fn name(&self) -> String {
         match &self.spec {
-            Spec::Detector(spec) => spec.to_string(),
-            Spec::Tracker(spec) => spec.to_string(),
+            TrackerSpec::EveryStep(detector) => detector.to_string(),
+            spec => spec.to_string(),
         }
     }
 
@@ -259,13 +228,12 @@ impl Search {
         edges: Option<Edges>,
     ) -> PyResult<Answer> {
         let (found, boxed, step) = self.with(py, Arrays::new(&x, &r, edges)?, self.finding())?;
-        if let Some(step) = step {
-            let mut done = self.done();
-            done.steps += 1;
-            done.builds += u64::from(step.built);
-            done.dangerous += u64::from(step.dangerous);
-            (done.listed, done.built) = (step.listed, step.built);
-        }
+        let mut done = self.done();
+        done.0 += 1;
+        done.1 += u64::from(step.built);
+        done.2 += u64::from(step.dangerous);
+        (done.3, done.4) = (step.listed, step.built);
+        drop(done);
         answer(py, found, boxed)
     }
 
@@ -279,11 +247,8 @@ impl Search {
     ) -> PyResult<BTreeMap<&'static str, u64>> {
         let (arithmetic, limit) = (self.arithmetic, self.memory_limit);
         self.with(py, Arrays::new(&x, &r, edges)?, move |(finder, _), arrays| {
-            let Finder::Detector(searcher) = finder else {
-                return Err(Failure::value("a tracker counts no operations"));
-            };
-            let scene = loaded(arrays, arithmetic, limit)?;
-            let tally = searcher.count(&scene, arithmetic, &mut ContactList::default())?;
+            let (scene, mut tally) = (loaded(arrays, arithmetic, limit)?, Tally::default());
+            finder.find(scene.frame(arithmetic), Some(&mut tally), &mut ContactList::default())?;
             let counted = Op::ALL.iter().map(|&op| (op.name(), tally.get(op)));
             Ok(counted.filter(|&(_, count)| count > 0).collect())
         })
@@ -293,18 +258,13 @@ impl Search {
         let lent = self.finder.lend()?;
         patient(py, move |_| {
             let mut held = lent.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Finder::Tracker(tracker) = &mut held.0 {
-                tracker.forget();
-            }
+            held.0.forget();
             Ok(())
         })
     }
 
-    /// Returns steps, builds, dangerous builds, pairs in the last list, and whether the last step
-    /// built it.
     #[getter(done)]
-    fn told(&self) -> (u64, u64, u64, u64, bool) {
-        let Done { steps, builds, dangerous, listed, built } = *self.done();
-        (steps, builds, dangerous, listed, built)
+    fn told(&self) -> Done {
+        *self.done()
     }
 }

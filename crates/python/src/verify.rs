@@ -12,7 +12,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArrayDy
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::failure::{Failure, is_main_thread, patient, pool, work};
+use crate::failure::{Failure, patient, pool};
 use crate::given::{Arrays, Edges, arithmetic, copied, rows};
 
 /// Pairs, their images in a box, and their depths in mean radii.
@@ -40,11 +40,12 @@ pub fn verify<'py>(
     let arrays = Arrays::new(&x, &r, edges)?;
     let apart = |_| Failure::value("an array is not contiguous; give a copy of it");
     let list = pairs.as_slice().map_err(apart)?.as_chunks::<2>().0;
-    let width = images.as_ref().map(|images| images.as_array().ncols());
-    let images = match &images {
-        Some(images) => Some(padded(images.as_slice().map_err(apart)?, width.unwrap_or(3))),
-        None => None,
+    let padded = |images: &PyReadonlyArray2<'_, i32>| -> Result<Vec<_>, Failure> {
+        let three = |row: &[i32]| std::array::from_fn(|k| row.get(k).copied().unwrap_or(0));
+        let rows = images.as_slice().map_err(apart)?.chunks(images.as_array().ncols().max(1));
+        Ok(rows.map(three).collect())
     };
+    let images: Option<Vec<[i32; 3]>> = images.as_ref().map(padded).transpose()?;
     let arithmetic = self::arithmetic(arithmetic)?;
     if !(skin >= 0.0 && skin.is_finite()) {
         let reason = format!("skin is {skin}; it must be a length of at least 0");
@@ -57,46 +58,49 @@ pub fn verify<'py>(
         kept: most,
         without: None,
     };
-    let dim = x.as_array().shape().last().copied().unwrap_or(3);
-    let boxed = arrays.lattice()?.is_some().then_some(dim.min(3));
+    let boxed = arrays.lattice()?.is_some().then_some(arrays.dim());
     let count = list.len();
     let compare = move |arrays: Arrays<'_>, list: &[[i64; 2]]| {
         let listed = Listed { pairs: list, images: images.as_deref() };
         pool(threads)?.install(|| compared(&arrays, listed, base, terms))
     };
-    let (found, reading, causes) = if is_main_thread() {
-        let (arrays, list) = py.detach(|| Ok::<_, Failure>((arrays.copied()?, copied(list)?)))?;
-        patient(py, move |_| compare(arrays.arrays(), &list))?
-    } else {
-        work(py, || compare(arrays, list))?
-    };
-    let out = result(py, &found, boxed)?;
-    out.set_item("listed", count)?;
-    out.set_item("hint", reading.as_ref().map(Reading::sentence))?;
-    out.set_item("causes", causes.map(|causes| by_cause(py, &causes)).transpose()?)?;
-    Ok(out)
+    let (arrays, list) = py.detach(|| Ok::<_, Failure>((arrays.copied()?, copied(list)?)))?;
+    let outcome = patient(py, move |_| compare(arrays, &list))?;
+    report(py, count, boxed, outcome)
 }
 
-fn result<'py>(
-    py: Python<'py>,
-    found: &Verification,
+type Outcome = (Verification, Option<Reading>, Option<Causes>);
+
+fn report(
+    py: Python<'_>,
+    listed: usize,
     boxed: Option<usize>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let out = PyDict::new(py);
-    out.set_item("same", found.is_same())?;
-    out.set_item("contacts", found.truth.len())?;
-    out.set_item("errors", errors(py, &found.errors)?)?;
-    out.set_item("missed", worst(py, &found.missed, boxed)?)?;
-    out.set_item("spurious", worst(py, &found.spurious, boxed)?)?;
-    out.set_item("unknown", rows(py, found.unknown.clone().into_flattened(), 2)?)?;
-    out.set_item("one_sided", rows(py, found.one_sided.clone().into_flattened(), 2)?)?;
-    out.set_item("within_skin", found.within_skin)?;
-    Ok(out)
-}
-
-fn padded(images: &[i32], width: usize) -> Vec<[i32; 3]> {
-    let three = |row: &[i32]| std::array::from_fn(|k| row.get(k).copied().unwrap_or(0));
-    images.chunks(width.max(1)).map(three).collect()
+    (found, reading, causes): Outcome,
+) -> PyResult<Bound<'_, PyDict>> {
+    let errors = |errors: &Errors| -> PyResult<_> {
+        Ok(dict!(py, errors =>
+            missed, spurious, duplicate, self_pairs, deepest_miss, widest_false))
+    };
+    let by_cause = |causes: &Causes| -> PyResult<_> {
+        Ok(dict!(py;
+            representation: errors(&causes.representation)?,
+            predicate: errors(&causes.predicate)?,
+            search: errors(&causes.search)?,
+        ))
+    };
+    Ok(dict!(py;
+        same: found.is_same(),
+        contacts: found.truth.len(),
+        listed: listed,
+        errors: errors(&found.errors)?,
+        missed: worst(py, &found.missed, boxed)?,
+        spurious: worst(py, &found.spurious, boxed)?,
+        unknown: rows(py, found.unknown.into_flattened(), 2)?,
+        one_sided: rows(py, found.one_sided.into_flattened(), 2)?,
+        within_skin: found.within_skin,
+        hint: reading.as_ref().map(Reading::sentence),
+        causes: causes.as_ref().map(by_cause).transpose()?,
+    ))
 }
 
 /// Compares a list with the truth in an arithmetic. Also returns other possible meanings of the
@@ -106,7 +110,7 @@ fn compared(
     list: Listed<'_>,
     base: i64,
     terms: Terms,
-) -> Result<(Verification, Option<Reading>, Option<Causes>), Failure> {
+) -> Result<Outcome, Failure> {
     let naming = Naming::Base(base);
     let others = [Naming::Base(1 - base.clamp(0, 1))];
     let (scene, lattice) = (arrays.scene()?, arrays.lattice()?);
@@ -146,25 +150,6 @@ fn contacts(list: Listed<'_>, base: i64, n: usize) -> ContactList {
         }
     }
     contacts
-}
-
-fn errors<'py>(py: Python<'py>, errors: &Errors) -> PyResult<Bound<'py, PyDict>> {
-    let out = PyDict::new(py);
-    out.set_item("missed", errors.missed)?;
-    out.set_item("spurious", errors.spurious)?;
-    out.set_item("duplicate", errors.duplicate)?;
-    out.set_item("self_pairs", errors.self_pairs)?;
-    out.set_item("deepest_miss", errors.deepest_miss)?;
-    out.set_item("widest_false", errors.widest_false)?;
-    Ok(out)
-}
-
-fn by_cause<'py>(py: Python<'py>, causes: &Causes) -> PyResult<Bound<'py, PyDict>> {
-    let out = PyDict::new(py);
-    out.set_item("representation", errors(py, &causes.representation)?)?;
-    out.set_item("predicate", errors(py, &causes.predicate)?)?;
-    out.set_item("search", errors(py, &causes.search)?)?;
-    Ok(out)
 }
 
 fn worst(py: Python<'_>, list: &[(ImagePair, f64)], boxed: Option<usize>) -> PyResult<Worst> {

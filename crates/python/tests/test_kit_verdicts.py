@@ -61,10 +61,10 @@ def test_a_check_that_was_cut_short_is_not_right():
 def test_a_case_that_was_cut_short_is_not_right():
     def slow(*arguments):
         slow.calls += 1
-        return mutants.right(*arguments) if slow.calls < 3 else mutants.wait(0.2, *arguments)
+        return mutants.right(*arguments) if slow.calls < 3 else mutants.wait(0.8, *arguments)
 
     slow.calls = 0
-    found = check(slow, "liquid", seconds=0.15)
+    found = check(slow, "liquid", seconds=0.7)
     assert found.systems == 3 and found.cases == {"liquid": "not tried"} and not found
 
 
