@@ -19,7 +19,7 @@ use std::cmp::Ordering;
 use contactbench_detectors::oracle::boxes;
 use contactbench_detectors::spec::DetectorSpec;
 use contactbench_detectors::table::{Role, TABLE};
-use contactbench_ground::contact::{Arithmetic, Test};
+use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
 use contactbench_ground::detect::any::AnyDetector;
 use contactbench_ground::periodic;
@@ -81,8 +81,8 @@ fn rows(plan: Plan, shapes: &[(Shape, &str)], places: &[f64]) -> Table {
         let (((shape, name), dim, away), index) = (rows[piece % rows.len()], piece / rows.len());
         let draw = &mut Draw::new(plan.seed, 1 << 62 | (shape as u64) << 56 | piece as u64);
         let counts = match dim {
-            2 => Row { sphere: &plane, shape, away }.run(index, plan.test, draw),
-            _ => Row { sphere: &space, shape, away }.run(index, plan.test, draw),
+            2 => Row { sphere: &plane, shape, away }.run(index, draw),
+            _ => Row { sphere: &space, shape, away }.run(index, draw),
         };
         let mut table = Table::default();
         table.add(name, &format!("{dim}D {away:e}"), counts);
@@ -115,7 +115,7 @@ impl<const D: usize> Row<'_, D> {
             }
             whole.periodic[v] = !draw.once_in(4);
         }
-        whole.periodic[draw.below(D as i64) as usize] = true;
+        whole.periodic[draw.axis::<D>()] = true;
         whole
     }
 
@@ -166,7 +166,7 @@ impl<const D: usize> Row<'_, D> {
         whole.fine = lengths.fine;
         for site in 0..sites.pow(D as u32) {
             let a = std::array::from_fn(|k| {
-                let side = if draw.once_in(2) { 1 } else { -1 };
+                let side = draw.sign();
                 let beside = match draw.below(4) {
                     0 => draw.within(1),
                     1 => side * reach + draw.within(1),
@@ -222,16 +222,10 @@ impl<const D: usize> Row<'_, D> {
             whole.take_other_vectors(draw);
         }
         whole.shuffle(draw);
-        let exponent = match index % 4 {
-            0 => -52,
-            1 => 0,
-            2 => draw.within(200) as i32,
-            _ => draw.within(400) as i32,
-        };
-        (whole, exponent)
+        (whole, draw.exponent(index as i64 % 4, 400))
     }
 
-    fn run(&self, index: usize, test: Test, draw: &mut Draw) -> Counts
+    fn run(&self, index: usize, draw: &mut Draw) -> Counts
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
     {
@@ -249,14 +243,13 @@ impl<const D: usize> Row<'_, D> {
         if also {
             counts += library(&periodic, &expected);
         }
-        let under_trial = if test == Test::Exact { Arithmetic::Exact } else { Arithmetic::F64 };
         let mut finder = Finder::new(LIMIT);
         let mut detectors = all();
         let mut compare = |detector: &mut dyn AnyDetector, arithmetic, expected: &[_]| {
             compare(detector, &mut finder, &periodic, arithmetic, expected)
         };
         for (name, detector) in &mut detectors {
-            counts += compare(&mut **detector, under_trial, &expected);
+            counts += compare(&mut **detector, Arithmetic::Exact, &expected);
             if *name == "nbs" {
                 let rounded = compare(&mut **detector, Arithmetic::F64, &expected);
                 counts.add(What::Rounded, expected.len() as u64);

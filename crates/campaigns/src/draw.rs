@@ -35,6 +35,30 @@ impl Draw {
         self.below(n) == 0
     }
 
+    /// Returns 1 or -1.
+    pub fn sign(&mut self) -> i64 {
+        if self.once_in(2) { -1 } else { 1 }
+    }
+
+    /// Returns the number of a random axis.
+    pub fn axis<const D: usize>(&mut self) -> usize {
+        self.below(D as i64) as usize
+    }
+
+    pub fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len() as i64) as usize]
+    }
+
+    /// Returns the exponent of a unit: in turn -52, 0, and random ones up to 200 and to `most`.
+    pub fn exponent(&mut self, turn: i64, most: i64) -> i32 {
+        match turn {
+            0 => -52,
+            1 => 0,
+            2 => self.within(200) as i32,
+            _ => self.within(most) as i32,
+        }
+    }
+
     pub fn order(&mut self, n: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..n).collect();
         for k in (1..n).rev() {
@@ -83,7 +107,7 @@ impl<const D: usize> Sphere<D> {
     }
 
     pub fn any(&self, draw: &mut Draw) -> [i64; D] {
-        self.points[draw.below(self.points.len() as i64) as usize]
+        draw.one_of(&self.points)
     }
 }
 
@@ -97,8 +121,8 @@ pub fn direction<const D: usize>(draw: &mut Draw, length: i64) -> [i64; D] {
         let x = *component as f64;
         rest = ((rest - x) * (rest + x)).sqrt();
     }
-    vector[D - 1] = rest.round() as i64 * if draw.once_in(2) { -1 } else { 1 };
-    vector.rotate_left(draw.below(D as i64) as usize);
+    vector[D - 1] = rest.round() as i64 * draw.sign();
+    vector.rotate_left(draw.axis::<D>());
     vector
 }
 

@@ -14,17 +14,12 @@ use std::ops::AddAssign;
 
 use rayon::prelude::*;
 
-use contactbench_ground::contact::Test;
-
 #[derive(Clone, Copy)]
 pub struct Plan {
     /// Least number of decisions. A decision is a pair for the contact test, a pair and detector
     /// for detectors, and a contact in a frame of a tracker for trackers.
     pub pairs: u64,
     pub seed: u64,
-    /// The contact test under trial: the exact one, or the rounded one, which must make errors.
-    /// Trackers always run with the exact test as well.
-    pub test: Test,
 }
 
 contactbench_terms::named! {

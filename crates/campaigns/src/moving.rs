@@ -63,9 +63,7 @@ pub fn trackers(plan: Plan) -> Table {
         let mut specs = Vec::new();
         for detector in &detectors {
             specs.push(TrackerSpec::EveryStep(detector.clone()));
-            specs.extend(RULES.map(|rule| {
-                verlet(detector, SKINS[draw.below(SKINS.len() as i64) as usize], rule)
-            }));
+            specs.extend(RULES.map(|rule| verlet(detector, draw.one_of(&SKINS), rule)));
         }
         specs.push(verlet(&detectors[0], Skin::Diameters(0.03), Rule::Every(10)));
         let mut table = Table::default();
@@ -83,7 +81,7 @@ pub(crate) fn detectors() -> Vec<DetectorSpec> {
 /// Returns frames in order or, occasionally, shuffled. Shuffled frames make lists useless, but no
 /// contact may be missed.
 fn frames(kind: Kind, dim: usize, arithmetic: Arithmetic, draw: &mut Draw) -> Vec<Frame> {
-    let scene = SCENES[draw.below(SCENES.len() as i64) as usize];
+    let scene = draw.one_of(&SCENES);
     let text = format!("{scene}dim={dim},n={},seed={}", 2 + draw.below(200), draw.below(1 << 20));
     let speed = 10f64.powf(-4.0 * draw.unit());
     let motion = Motion { kind, speed, seed: draw.bits() };

@@ -48,9 +48,9 @@ impl<'a, const D: usize> Lengths<'a, D> {
         match family {
             0 => vector = sphere.any(draw).map(|x| x * part),
             1 => vector = direction(draw, sum),
-            _ => vector[draw.below(D as i64) as usize] = if draw.once_in(2) { sum } else { -sum },
+            _ => vector[draw.axis::<D>()] = draw.sign() * sum,
         }
-        vector[draw.below(D as i64) as usize] += draw.within(1);
+        vector[draw.axis::<D>()] += draw.within(1);
         let mut sum = sum << fine;
         if small && family == 1 {
             // The rounded distance is used, because units may be much coarser than radii.
@@ -112,7 +112,7 @@ pub fn needle<const D: usize>(draw: &mut Draw) -> Pair<D> {
     let truth = distance.cmp(&sum).then(off.cmp(&0));
     let (mut a, mut b) = ([0.0; D], [0.0; D]);
     let share = draw.below(sum + 1);
-    let axis = draw.below(D as i64) as usize;
+    let axis = draw.axis::<D>();
     let (from, to) = if draw.once_in(2) { (&mut a, &mut b) } else { (&mut b, &mut a) };
     to[axis] = distance as f64 * power(-52);
     from[(axis + 1) % D] = off as f64 * power(-52 - depth as i32);

@@ -44,8 +44,8 @@ pub fn run(plan: Plan) -> Table {
         if family < 2 || index.is_multiple_of(NEEDLES) {
             let draw = &mut Draw::new(plan.seed, piece as u64);
             let counts = match dim {
-                2 => batch(&plane, family, offset, index, plan.test, draw),
-                _ => batch(&space, family, offset, index, plan.test, draw),
+                2 => batch(&plane, family, offset, index, draw),
+                _ => batch(&space, family, offset, index, draw),
             };
             table.add(FAMILIES[family], &format!("{dim}D {offset:e}"), counts);
         }
@@ -53,23 +53,18 @@ pub fn run(plan: Plan) -> Table {
     })
 }
 
-/// Decides a batch of pairs with the test under trial, and again in f64.
+/// Decides a batch of pairs exactly, and again in f64.
 fn batch<const D: usize>(
     sphere: &Sphere<D>,
     family: usize,
     offset: f64,
     index: usize,
-    test: Test,
     draw: &mut Draw,
 ) -> Counts {
     let uniform = family == 0 && index % 2 == 1;
-    let exponent = match index / 2 % 4 {
-        _ if family > 0 => -52,
-        0 => -52,
-        1 => 0,
-        2 => draw.within(200) as i32,
-        _ => (draw.within(990) - 20) as i32,
-    };
+    let turn = if family == 0 { index as i64 / 2 % 4 } else { 0 };
+    // The largest scale is 2^970.
+    let exponent = draw.exponent(turn, 990).min(970);
     // Around the origin, no bit of a radius is below one unit.
     let room = if offset == 0.0 { (1i64 << 53) as f64 } else { FAR as f64 / offset };
     let lengths = Lengths::new(sphere, room, !uniform, draw);
@@ -92,7 +87,7 @@ fn batch<const D: usize>(
         return counts;
     };
     let mut tally = Tally::default();
-    match with_bodies(&scene, test, Ask { truths: &truths, tally: &mut tally }) {
+    match with_bodies(&scene, Test::Exact, Ask { truths: &truths, tally: &mut tally }) {
         Ok([missed, spurious]) => {
             counts.add(What::Missed, missed);
             counts.add(What::Spurious, spurious);
@@ -122,10 +117,7 @@ fn on_the_grid<const D: usize>(
     let Near { vector, radii, truth } = lengths.near(draw);
     let centred = draw.once_in(2);
     let a: [i64; D] = vector.map(|x| match (far, centred) {
-        (true, _) => {
-            let from = FAR + x.abs() + draw.below(FAR - 2 * x.abs());
-            if draw.once_in(2) { -from } else { from }
-        }
+        (true, _) => draw.sign() * (FAR + x.abs() + draw.below(FAR - 2 * x.abs())),
         (false, true) => -x / 2 + draw.within(1 << 50),
         (false, false) => 0,
     });

@@ -70,12 +70,13 @@ pub fn pairs(plan: Plan) -> Table {
 impl<const D: usize> Pair<D> {
     pub fn new(sphere: &Sphere<D>, draw: &mut Draw) -> Pair<D> {
         let mut pair = if draw.once_in(3) { thin(draw) } else { line(sphere, draw) };
-        pair.exponent = match draw.below(4) {
-            0 => -52,
-            1 => 0,
-            2 => draw.within(200) as i32,
-            _ => draw.within(900) as i32,
-        };
+        // Some pairs part and meet again.
+        if draw.once_in(4) {
+            let again = [pair.start, pair.frames.len() - 1].map(|k| pair.frames[k].clone());
+            pair.frames.extend(again);
+        }
+        let turn = draw.below(4);
+        pair.exponent = draw.exponent(turn, 900);
         let order = draw.order(pair.radii.len());
         pair.radii = order.iter().map(|&k| pair.radii[k]).collect();
         for frame in &mut pair.frames {
@@ -149,33 +150,36 @@ impl<const D: usize> Pair<D> {
     }
 }
 
-/// Sizes on a line. The diameter is 2^p·m, the skin q·m times the length of the sphere's vectors.
+/// Sizes on a line, as multiples of the length of the sphere's vectors.
 struct Line {
-    p: i64,
-    q: i64,
+    /// Diameter of the first particle, 2^p times an even number m.
     diameter: i64,
     /// Diameter of the second particle, at most that of the first.
     smaller: i64,
+    /// The skin, q·m.
     skin: i64,
+    /// The skin in diameters.
+    ratio: f64,
     /// Radii in half units; the second may be a half unit off.
     radii: [i64; 2],
-    length: i64,
 }
 
 impl Line {
-    fn new(length: i64, offset: f64, [p, q]: [i64; 2], draw: &mut Draw) -> Line {
+    fn new(length: i64, offset: f64, draw: &mut Draw) -> Line {
+        let p = 1 + draw.below(6);
+        let q = 1 + draw.below(3 << p);
         // Displacements are at most twelve skins.
         let room = match offset == 0.0 {
             true => FAR / (length * ((1 << p) + 12 * q)),
             false => (FAR as f64 / offset) as i64 / (length << p),
         };
         let m = 2 * (room / 2).max(1);
-        let (diameter, skin) = (m << p, m * q);
+        let diameter = m << p;
         let one_size = draw.once_in(2);
         let smaller = if one_size { diameter } else { 2 * draw.below(diameter / 2 + 1) };
         let other = smaller * length + if one_size { 0 } else { draw.bit() };
         let radii = [diameter * length, other.max(0)];
-        Line { p, q, diameter, smaller, skin, radii, length }
+        Line { diameter, smaller, skin: m * q, ratio: q as f64 / (1 << p) as f64, radii }
     }
 
     /// Distance of two centres in contact.
@@ -184,39 +188,21 @@ impl Line {
     }
 }
 
-/// The direction of a line: an axis or a Pythagorean vector, along which displacements are exact,
-/// or any direction, along which they are rounded.
-enum Direction<const D: usize> {
-    Whole([i64; D]),
-    /// A vector of length [`FAR`].
-    Any([i64; D]),
-}
-
-impl<const D: usize> Direction<D> {
-    fn new(sphere: &Sphere<D>, draw: &mut Draw) -> Direction<D> {
-        let whole = match draw.below(3) {
-            0 => {
-                let mut axis = [0; D];
-                let length = sphere.length;
-                axis[draw.below(D as i64) as usize] =
-                    if draw.once_in(2) { length } else { -length };
-                Some(axis)
-            }
-            1 => Some(sphere.any(draw)),
-            _ => None,
-        };
-        let any = direction(draw, FAR);
-        whole.map_or(Direction::Any(any), Direction::Whole)
+/// Returns a function that gives the displacement by some multiple of the sphere's length along a
+/// random direction: exact along an axis or a Pythagorean vector, rounded along any other.
+fn along<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> impl Fn(i64) -> [i64; D] + use<D> {
+    let (turn, length) = (draw.below(3), sphere.length);
+    let mut vector = match turn {
+        0 => [0; D],
+        1 => sphere.any(draw),
+        _ => direction(draw, FAR),
+    };
+    if turn == 0 {
+        vector[draw.axis::<D>()] = draw.sign() * length;
     }
-
-    /// Returns the displacement by this many times the length of the sphere's vectors.
-    fn along(&self, lengths: i64, length: i64) -> [i64; D] {
-        match self {
-            Direction::Whole(vector) => vector.map(|x| x * lengths),
-            Direction::Any(vector) => {
-                vector.map(|x| ((i128::from(x) * i128::from(lengths * length)) >> 52) as i64)
-            }
-        }
+    move |multiple| match turn {
+        0 | 1 => vector.map(|x| x * multiple),
+        _ => vector.map(|x| ((i128::from(x) * i128::from(multiple * length)) >> 52) as i64),
     }
 }
 
@@ -226,77 +212,63 @@ fn moved<const D: usize>(at: [i64; D], by: [i64; D], sign: i64) -> [i64; D] {
 
 /// Changes one component by up to this many units.
 fn nearly<const D: usize>(mut at: [i64; D], units: i64, draw: &mut Draw) -> [i64; D] {
-    at[draw.below(D as i64) as usize] += draw.within(units);
+    at[draw.axis::<D>()] += draw.within(units);
     at
 }
 
-/// Makes a pair whose particles approach each other by `alpha` and `skin - alpha`, in one to three
-/// steps, each end position being off by a few units at most.
+/// Makes a pair that moves along a line:
+///
+/// 1. At the start the gap is the skin.
+/// 2. In one to three steps, the first particle moves by `alpha`, the second by the rest of the
+///    skin, towards each other.
+/// 3. At the end they are in contact.
+///
+/// Start and end are off by the same small number of units at most, which may be 0.
 fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Pair<D> {
-    let p = 1 + draw.below(6);
-    let q = 1 + draw.below(3 << p);
-    let offset = OFFSETS[draw.below(OFFSETS.len() as i64) as usize];
-    let line = Line::new(sphere.length, offset, [p, q], draw);
-    let Line { skin, length, .. } = line;
-    let direction = Direction::new(sphere, draw);
-    let along = |lengths| direction.along(lengths, length);
-    let units = [0, 0, 1, 1, 2, 40][draw.below(6) as usize];
+    let offset = draw.one_of(&OFFSETS);
+    let line = Line::new(sphere.length, offset, draw);
+    let (skin, length) = (line.skin, sphere.length);
+    let along = along(sphere, draw);
+    let off = draw.one_of(&[0, 0, 1, 1, 2, 40]);
     let base = if offset == 0.0 { 0 } else { FAR * 3 / 2 };
-    let a: [i64; D] = std::array::from_fn(|_| {
-        let x = base + draw.within(1 << 50);
-        if draw.once_in(2) { -x } else { x }
-    });
-    let b = nearly(moved(a, along(line.touch() + skin), 1), units, draw);
-    let alpha = match draw.below(4) {
-        0 => skin,
-        1 => 0,
-        2 => skin / 2,
-        _ => draw.below(skin + 1),
+    let a: [i64; D] = std::array::from_fn(|_| draw.sign() * (base + draw.within(1 << 50)));
+    let b = nearly(moved(a, along(line.touch() + skin), 1), off, draw);
+
+    let part = draw.below(skin + 1);
+    let alpha = draw.one_of(&[skin, 0, skin / 2, part]);
+    let steps = 1 + draw.below(3);
+    let after = |k: i64| {
+        let way = |whole: i64| along(whole * k / steps);
+        [moved(a, way(alpha), 1), moved(b, way(skin - alpha), -1)]
     };
-    let end = [moved(a, along(alpha), 1), moved(b, along(skin - alpha), -1)];
-    let end = end.map(|at| nearly(at, units, draw));
-    let mut frames = Vec::new();
+    let end = after(steps).map(|at| nearly(at, off, draw));
+    let mut frames: Vec<Vec<_>> = (0..steps).map(|k| after(k).into()).collect();
+    frames.push(end.into());
+    let mut start = 0;
     // Sometimes a list of the final positions is built first; it is useless after a jump away.
     if draw.once_in(3) {
-        frames.extend([end, [moved(a, along(9 * skin), -1), b]]);
+        frames.splice(0..0, [end.into(), vec![moved(a, along(9 * skin), -1), b]]);
+        start = 2;
     }
-    let start = frames.len();
-    let steps = 1 + draw.below(3);
-    let step = |k| {
-        [moved(a, along(alpha * k / steps), 1), moved(b, along((skin - alpha) * k / steps), -1)]
-    };
-    frames.extend((0..steps).map(step));
-    frames.push(end);
-    if draw.once_in(4) {
-        frames.extend([[a, b], end]);
-    }
-    let mut pair = Pair {
-        name: "line",
-        frames: frames.into_iter().map(Vec::from).collect(),
-        radii: line.radii.to_vec(),
-        exponent: 0,
-        skin: line.q as f64 / (1 << line.p) as f64,
-        skin_units: 2 * skin * length,
-        start,
-    };
+    let mut radii = line.radii.to_vec();
     // Some motions have a third particle, which does not move.
     if draw.once_in(2) {
         let most = (line.touch() + skin) * length;
         let at = std::array::from_fn(|k| a[k] + draw.within(most));
-        pair.frames.iter_mut().for_each(|frame| frame.push(at));
-        pair.radii.push(line.radii[1]);
+        frames.iter_mut().for_each(|frame| frame.push(at));
+        radii.push(line.radii[1]);
     }
-    pair
+    let skin_units = 2 * skin * length;
+    Pair { name: "line", frames, radii, exponent: 0, skin: line.ratio, skin_units, start }
 }
 
+/// Makes a pair of equal particles with a very large diameter, one of which moves by units, the
+/// other by diameters or not at all.
 fn thin<const D: usize>(draw: &mut Draw) -> Pair<D> {
     // Keeps only the highest 53 bits, which a double can hold.
     let double = |x: i64| x as f64 as i64;
-    let diameter = match draw.once_in(2) {
-        true => 1 << 57,
-        false => ((1 << 51) + draw.below(1 << 51)) << 6,
-    };
-    // One particle moves by units, the other by diameters or not at all.
+    let some = ((1 << 51) + draw.below(1 << 51)) << 6;
+    let diameter = draw.one_of(&[1 << 57, some]);
     let few = 1 + draw.below(64);
     let (skin, far) = match draw.once_in(2) {
         true => (few as f64 / diameter as f64, 0),
@@ -305,32 +277,22 @@ fn thin<const D: usize>(draw: &mut Draw) -> Pair<D> {
             (skin, double((diameter as f64 * skin) as i64))
         }
     };
-    let axis = draw.below(D as i64) as usize;
-    let (sign, off) = (if draw.once_in(2) { 1 } else { -1 }, draw.within(1 << 20));
-    let place = |along: i64, off: i64| -> [i64; D] {
-        let mut at = [0; D];
-        (at[axis], at[(axis + 1) % D]) = (sign * along, off);
-        at
+    let (axis, sign, units) = (draw.axis::<D>(), draw.sign(), draw.within(1 << 20));
+    let off = draw.one_of(&[units, 0]);
+    // The particles at `first` and `second` along the axis; the second is off the axis.
+    let frame = |first: i64, second: i64| -> Vec<[i64; D]> {
+        let mut at = [[0; D]; 2];
+        (at[0][axis], at[1][axis]) = (sign * first, sign * second);
+        at[1][(axis + 1) % D] = off;
+        at.into()
     };
     let fine = if far == 0 { few + draw.within(1) } else { draw.within(4) };
-    let off = if draw.once_in(2) { off } else { 0 };
-    let start = [place(double(-diameter - far), 0), place(fine, off)];
-    let end = [place(-diameter, 0), place(if draw.once_in(2) { 0 } else { draw.within(2) }, off)];
-    let mut frames = vec![start];
+    let mut frames = vec![frame(double(-diameter - far), fine)];
     if draw.once_in(2) {
-        frames.push([place(double(-diameter - far / 2), 0), place(fine / 2, off)]);
+        frames.push(frame(double(-diameter - far / 2), fine / 2));
     }
-    frames.push(end);
-    if draw.once_in(4) {
-        frames.extend([start, end]);
-    }
-    Pair {
-        name: "thin",
-        frames: frames.into_iter().map(Vec::from).collect(),
-        radii: vec![diameter; 2],
-        exponent: 0,
-        skin,
-        skin_units: 2 * if far == 0 { few } else { far },
-        start: 0,
-    }
+    let near = draw.within(2);
+    frames.push(frame(-diameter, draw.one_of(&[0, near])));
+    let (radii, skin_units) = (vec![diameter; 2], 2 * if far == 0 { few } else { far });
+    Pair { name: "thin", frames, radii, exponent: 0, skin, skin_units, start: 0 }
 }

@@ -107,7 +107,7 @@ impl<const D: usize> Whole<D> {
     pub fn take_other_vectors(&mut self, draw: &mut Draw) {
         let periodic: Vec<usize> = (0..3).filter(|&v| self.periodic[v]).collect();
         for _ in 0..3 {
-            let [a, b] = [(); 2].map(|()| periodic[draw.below(periodic.len() as i64) as usize]);
+            let [a, b] = [(); 2].map(|()| draw.one_of(&periodic));
             let times = if a == b { -2 } else { draw.within(3) };
             let vector = std::array::from_fn(|k| self.vectors[a][k] + times * self.vectors[b][k]);
             if !vector.iter().all(|&x| is_double(x)) {
