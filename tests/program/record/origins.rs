@@ -4,9 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use contactbench::record::folder::ledger::{self, Entry, Ledger, Span};
-use contactbench::record::folder::seal;
-use contactbench::record::origin::provenance;
+use contactbench::record::folder::ledger::Ledger;
 use contactbench::record::row::{Outcome, Pass, Row};
 use contactbench_ground::wide::Level;
 use serde_json::Value;
@@ -187,60 +185,6 @@ fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
         assert_eq!(noted().1, "true");
         let now = commit();
         assert_eq!(noted(), (now, "false".into(), false));
-    }
-}
-
-#[test]
-fn a_doubtful_record_has_its_doubt_on_every_page() {
-    let at = Place::new();
-    at.file("t.toml", TEXT);
-    at.good("run t.toml --out result");
-    let mut fields: Value = serde_json::from_str(&at.read("result/provenance.json")).unwrap();
-    (fields["dirty"], fields["profile"]) = (false.into(), "release".into());
-    let idle = Ledger::read(&at.path("result"));
-    let idle = |others: f64| -> String {
-        let spans = idle.spans.values().map(|span| {
-            let (seconds, others_s) = (10.0, 10.0 * others);
-            Span { seconds, others_s, stolen_s: 0.0, ..span.clone() }
-        });
-        let processes = idle.processes.values().cloned().map(|mut process| {
-            process.build.insert("profile".into(), "release".into());
-            process.build.insert("sources".into(), "as committed".into());
-            Entry::Process(process)
-        });
-        let entries = processes.chain(spans.map(Entry::Span));
-        entries.map(|entry| seal::sealed(&serde_json::to_string(&entry).unwrap()) + "\n").collect()
-    };
-    let doubt = "do not quote";
-    let shown = |fields: &Value, entries: &str| {
-        at.file("result/provenance.json", provenance::text(fields).unwrap());
-        at.file(&format!("result/{}", ledger::FILE), entries);
-        let report = at.good("report result");
-        let pages = [
-            report.stdout.split_whitespace().collect::<Vec<_>>().join(" "),
-            at.read("result/report.md"),
-            at.read("result/report.html"),
-            at.good("compare result result").stdout,
-        ];
-        (pages, at.json("compare result result")["b"]["doubts"].clone())
-    };
-    let (pages, doubts) = shown(&fields, &idle(0.02));
-    assert!(pages.iter().all(|page| !page.contains(doubt)), "{}", pages[0]);
-    assert_eq!(doubts, Value::Array(Vec::new()));
-    let mut debug = fields.clone();
-    debug["profile"] = "debug".into();
-    for (fields, entries, words) in
-        [(fields.clone(), idle(0.35), "35%"), (debug, idle(0.0), "debug build")]
-    {
-        let (pages, doubts) = shown(&fields, &entries);
-        for page in &pages {
-            let at = page.find(doubt).unwrap_or_else(|| panic!("no doubt in\n{page}"));
-            assert!(page[at..].contains(words), "{words} is not in\n{page}");
-        }
-        assert!(doubts[0].as_str().unwrap().contains(words), "{doubts}");
-        // The doubt is printed before the times.
-        assert!(pages[0].find(doubt) < pages[0].find("fast"), "{}", pages[0]);
-        assert!(pages[1].find(doubt) < pages[1].find("**?**"), "{}", pages[1]);
     }
 }
 

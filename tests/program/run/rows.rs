@@ -6,7 +6,6 @@ use contactbench::record::row::{Measurement, Outcome, Pass, Row};
 use serde_json::Value;
 
 use super::{EMPTY, rows};
-use crate::common::{Place, ended, program};
 
 #[test]
 fn every_planned_cell_has_its_rows_and_the_answers_are_right() {
@@ -34,30 +33,6 @@ fn every_planned_cell_has_its_rows_and_the_answers_are_right() {
         assert!(control || others.clone().all(|other| other.digest == row.digest), "{row:?}");
     }
     assert!(rows.iter().any(|row| row.contacts > Some(60)), "the packed scenes have contacts");
-}
-
-#[test]
-fn each_scene_that_is_done_is_a_line_of_a_table() {
-    let at = Place::new();
-    let text = include_str!("../experiments/three_detectors.toml");
-    at.file("t.toml", text.replace("[\"nbs\"", "[\"nothing\", \"nbs\""));
-    let mut program = program(at.root(), &["run", "t.toml", "--out", "result"]);
-    let ended = ended(program.env("CONTACTBENCH_FIRST_REPORT", "0").output().unwrap());
-    let first = "first figures: result/report.html; the run goes on";
-    assert_eq!(ended.stderr.matches(first).count(), 1, "{}", ended.stderr);
-    let lines = ended.stderr.lines().filter(|line| line.starts_with("t: packed 2D N="));
-    let lines: Vec<Vec<&str>> = lines.map(|line| line.split_whitespace().collect()).collect();
-    assert_eq!(lines.len(), 2, "{}", ended.stderr);
-    for (line, n) in lines.iter().zip([50, 80]) {
-        let [.., fastest, time, second, ratio, contacts, right] = line[..] else { panic!() };
-        let rows = at.rows("result");
-        let row = rows.iter().find(|row| row.id.n == n && row.outcome == Outcome::Ok).unwrap();
-        assert!(line.contains(&&*format!("N={n}")) && fastest != second, "{line:?}");
-        assert!(time.parse::<f64>().unwrap() > 0.0 && ratio.parse::<f64>().unwrap() >= 1.0);
-        assert_eq!(contacts.parse().ok(), row.contacts);
-        assert_eq!(right, "3", "the detectors in the first arithmetic");
-    }
-    assert!(ended.stderr.contains("second       times contacts right"), "{}", ended.stderr);
 }
 
 #[test]

@@ -1,7 +1,6 @@
-//! Tests drawings, traces, and pages in a browser.
+//! Tests drawings, traces, and pages.
 
 mod boxes;
-mod browser;
 mod page;
 mod pages;
 mod pictures;

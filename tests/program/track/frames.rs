@@ -142,22 +142,6 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
     assert!(at.run(one).stderr.contains("t.dump: --frame all"));
 }
 
-#[test]
-fn of_many_frames_the_worst_are_shown() {
-    let at = Place::new();
-    at.file("t.dump", dump(60, "ff ff ff"));
-    let wrong: Vec<(usize, usize)> =
-        (4..60).step_by(2).flat_map(|k| vec![(k, 0); 1 + k / 20]).collect();
-    at.file("l.dump", local(60, &wrong));
-    let words = "(12 of 30 frames: ";
-    let said = at.ends(1, "verify t.dump --pairs l.dump --frame all", &[words]).stdout;
-    let rows = said.lines().skip_while(|line| !line.contains("touching  listed")).skip(1);
-    let rows: Vec<&str> = rows.take_while(|line| !line.starts_with('(')).collect();
-    assert_eq!(rows.len(), 12, "{said}");
-    assert!(rows[0].trim_start().starts_with("200 "), "{said}");
-    assert!(rows[1].trim_start().starts_with("1000 "), "{said}");
-}
-
 /// `verify` reads the lists of `detect --frame all`, and reports a removed pair as missed.
 #[test]
 fn contacts_of_all_frames_are_written_and_read_again() {

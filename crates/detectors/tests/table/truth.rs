@@ -12,14 +12,14 @@ use contactbench_terms::mix::splitmix64;
 fn chosen_particles_are_tested_against_all_others() {
     for periodic in [[false; 3], [true; 3], [true, false, true]] {
         for ratio in [1.0, 50.0] {
-            let n = 2500;
+            let n = 1200;
             let draw = |k: u64| splitmix64(k) as f64 / u64::MAX as f64;
-            let at = |k: u64| [0, 1, 2].map(|a| 12.0 * draw(3 * k + a) - 3.0);
+            let at = |k: u64| [0, 1, 2].map(|a| 9.0 * draw(3 * k + a) - 3.0);
             let radius =
                 |k: u64| if k == 7 { 0.2 * ratio } else { 0.2 + 0.2 * draw(k + (1 << 40)) };
             let radii: Vec<f64> = (0..n).map(radius).collect();
             let scene = AnyScene::at((0..n).map(at), radii).unwrap();
-            let vectors = [[12.0, 0.0, 0.0], [5.0, 12.0, 0.0], [0.0, -4.0, 12.0]];
+            let vectors = [[9.0, 0.0, 0.0], [4.0, 9.0, 0.0], [0.0, -3.0, 9.0]];
             let lattice = Lattice::new(vectors, periodic, [0.0; 3]).unwrap();
             let space = Periodic::new(scene, lattice).unwrap();
             for arithmetic in [Arithmetic::Exact, Arithmetic::ExactOpen, Arithmetic::F32] {

@@ -103,7 +103,7 @@ fn depths_and_digests_are_those_of_images() {
 fn arbitrary_doubles_never_panic() {
     let random = &mut ChaCha8Rng::seed_from_u64(5);
     let (mut answers, mut refusals, mut boxes) = (0, 0, 0);
-    for turn in 0..8_000 {
+    for turn in 0..4_000 {
         let mut any = |wild: bool| loop {
             let x = if wild {
                 f64::from_bits(random.random())
@@ -144,5 +144,5 @@ fn arbitrary_doubles_never_panic() {
             }
         }
     }
-    assert!(boxes > 1000 && answers > 1000 && refusals > 1000, "{boxes} {answers} {refusals}");
+    assert!(boxes > 500 && answers > 500 && refusals > 500, "{boxes} {answers} {refusals}");
 }
