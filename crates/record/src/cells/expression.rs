@@ -5,13 +5,10 @@
 
 use std::collections::BTreeSet;
 
-use anyhow::bail;
-
-use crate::cells::{Cell, variables};
+use crate::cells::Cell;
 pub use crate::experiment::expression::Expression;
 use crate::record::column::Column;
 use crate::record::row::{Outcome, Pass};
-use contactbench_terms::nearest::hint;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reading {
@@ -22,19 +19,6 @@ pub enum Reading {
 }
 
 impl Expression {
-    pub fn check(&self, cells: &[Cell]) -> anyhow::Result<()> {
-        let known = variables(cells);
-        let unknown = |name: &str| Column::find(name).is_none() && !known.contains(name);
-        if let Some((name, column)) = self.variables().find(|(name, _)| unknown(name)) {
-            bail!(
-                "unknown variable '{name}' at column {column} of '{self}'{}; the variables are: {}",
-                hint(name, known.iter().map(String::as_str)),
-                known.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
-            );
-        }
-        Ok(())
-    }
-
     pub fn passes(&self) -> Vec<Pass> {
         let pass = |(name, _): (&str, usize)| Column::find(name)?.pass;
         let passes: BTreeSet<Pass> = self.variables().filter_map(pass).collect();

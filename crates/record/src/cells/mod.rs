@@ -9,7 +9,7 @@ pub mod state;
 #[doc(hidden)]
 pub mod testing;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 pub use crate::cells::expression::{Expression, Reading};
 use crate::cells::state::States;
@@ -236,17 +236,6 @@ fn severity(outcome: Outcome) -> u8 {
     }
 }
 
-pub fn variables(cells: &[Cell]) -> BTreeSet<String> {
-    let fixed = ["n", "dim", "seed", "threads"]
-        .into_iter()
-        .chain(COLUMNS.iter().map(|column| &*column.name));
-    let numbers = cells.iter().flat_map(|cell| {
-        let names = cell.id.names().filter(|name| !FIELDS.contains(&name.as_str()));
-        names.filter(|name| cell.id.axis(name).is_some_and(|value| value.number().is_some()))
-    });
-    fixed.map(String::from).chain(numbers).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,11 +263,6 @@ mod tests {
         ] {
             assert_eq!(read(&cells[0], text), value, "{text}");
         }
-        let wrong = Expression::parse("list_pushes / n").unwrap();
-        let error = wrong.check(&cells).unwrap_err().to_string();
-        let words = "unknown variable 'list_pushes' at column 1 of 'list_pushes / n' (did you mean \
-                     list_push?); the variables are: ";
-        assert!(error.starts_with(words) && error.contains("per_cluster"), "{error}");
     }
 
     #[test]

@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 
-use crate::experiment::List;
 use crate::experiment::expression::Expression;
 use crate::stats::growth::Model;
 
-pub type Where = BTreeMap<String, List<toml::Value>>;
+pub type Where = BTreeMap<String, Vec<toml::Value>>;
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

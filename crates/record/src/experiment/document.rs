@@ -2,7 +2,8 @@
 //!
 //! In a file, the keys of a claim or figure stand beside its `kind`, and parameters of a generator
 //! beside the name of the scene. Before serde reads them, they move into tables: keys of a kind
-//! into `{ kind = { equal = { .. } } }`, parameters into `params`.
+//! into `{ kind = { equal = { .. } } }`, parameters into `params`. In the place of a list, `3` means
+//! `[3]`; `1e6` is a whole number.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -71,16 +72,18 @@ impl<'a> Document<'a> {
         let root = table.get_mut();
         let keys = root.keys().map(|key| (key.get_ref().to_string(), key.span())).collect();
         top_level(root)?;
+        root.iter_mut().for_each(|(_, value)| whole(value));
+        lists(root, |name| ["detectors", "arithmetics", "threads"].contains(&name));
         if let Some(missing) = REQUIRED.iter().find(|key| !root.contains_key(**key)) {
             let form = if *missing == "scene" { "give a [[scene]]" } else { "give it a value" };
             return Err(Problem { at: None, words: format!("{missing} is missing: {form}") });
         }
         let scenes = each(root, "scene", |scene, _| {
-            gather(scene, keys::fields::<SceneSweep>())?;
-            match scene.get_mut("quick").map(Spanned::get_mut) {
-                Some(DeValue::Table(quick)) => gather(quick, keys::fields::<Quick>()),
-                _ => Ok(()),
+            gather(scene, keys::fields::<SceneSweep>());
+            if let Some(DeValue::Table(quick)) = scene.get_mut("quick").map(Spanned::get_mut) {
+                gather(quick, keys::fields::<Quick>());
             }
+            Ok(())
         })?;
         let claims =
             each(root, "claim", |claim, at| nest::<Claim, ClaimKind>(claim, at, "claim", None))?;
@@ -170,15 +173,47 @@ fn key(name: &'static str, at: Range<usize>) -> Spanned<Cow<'static, str>> {
     Spanned::new(at, Cow::Borrowed(name))
 }
 
-fn gather(table: &mut DeTable<'_>, known: &[&str]) -> Result<(), Problem> {
+/// Turns numbers such as `1e6` into whole ones.
+fn whole(value: &mut Spanned<DeValue<'_>>) {
+    match value.get_mut() {
+        DeValue::Table(table) => table.iter_mut().for_each(|(_, value)| whole(value)),
+        DeValue::Array(all) => all.iter_mut().for_each(whole),
+        DeValue::Float(number) => {
+            let exact = |x: &f64| x.fract() == 0.0 && x.abs() <= (1u64 << 53) as f64;
+            if let Some(number) = number.as_str().parse().ok().filter(exact) {
+                // The value borrows its text; the few bytes of such a number are never freed.
+                let text: &str = number.to_string().leak();
+                if let Ok(whole) = DeValue::parse(text) {
+                    *value.get_mut() = whole.into_inner();
+                }
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Makes lists of these values.
+fn lists(table: &mut DeTable<'_>, is_list: impl Fn(&str) -> bool) {
+    for (name, value) in table.iter_mut() {
+        if is_list(name.get_ref()) && !value.get_ref().is_array() {
+            let (at, nothing) = (value.span(), DeValue::Boolean(false));
+            let one = Spanned::new(at, std::mem::replace(value.get_mut(), nothing));
+            *value.get_mut() = DeValue::Array([one].into_iter().collect());
+        }
+    }
+}
+
+/// Moves the parameters of a generator into `params`.
+fn gather(table: &mut DeTable<'_>, known: &[&str]) {
     let (mut own, mut params) = (DeTable::new(), DeTable::new());
     for (name, value) in std::mem::take(table) {
         let known = *name.get_ref() != "params" && known.contains(&&**name.get_ref());
         if known { &mut own } else { &mut params }.insert(name, value);
     }
+    lists(&mut params, |_| true);
+    lists(&mut own, |name| ["dim", "n", "seed", "order"].contains(&name));
     own.insert(key("params", 0..0), Spanned::new(0..0, DeValue::Table(params)));
     *table = own;
-    Ok(())
 }
 
 fn nest<'de, Common: Deserialize<'de>, Kind: Deserialize<'de>>(
@@ -233,6 +268,9 @@ fn nest<'de, Common: Deserialize<'de>, Kind: Deserialize<'de>>(
         Spanned::new(place.clone(), DeValue::Table(inner)),
     )]);
     own.insert(key("kind", place.clone()), Spanned::new(place, DeValue::Table(kind)));
+    if let Some(DeValue::Table(filter)) = own.get_mut("where").map(Spanned::get_mut) {
+        lists(filter, |_| true);
+    }
     *table = own;
     Ok(())
 }

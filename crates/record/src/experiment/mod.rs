@@ -10,7 +10,6 @@ pub mod expression;
 pub mod figures;
 pub mod keys;
 mod known;
-pub mod list;
 mod plain;
 pub mod planned;
 pub mod shard;
@@ -21,7 +20,6 @@ use serde::Deserialize;
 pub use crate::experiment::claims::{Claim, ClaimKind, Where};
 pub use crate::experiment::document::Document;
 pub use crate::experiment::figures::{Against, Bars, Figure, FigureKind, Lines, SpeedError};
-pub use crate::experiment::list::List;
 pub use crate::experiment::planned::{Planned, PlannedSubject};
 pub use crate::experiment::sweep::{Quick, SceneSweep};
 use crate::record::faults::{MOST_THREADS, is_word};
@@ -37,18 +35,15 @@ pub struct Experiment {
     pub question: String,
     pub reading: String,
     pub standard: bool,
-    #[serde(deserialize_with = "list::many")]
     pub detectors: Vec<String>,
-    #[serde(deserialize_with = "list::many")]
     pub arithmetics: Vec<Arithmetic>,
     /// Numbers of threads. A detector that cannot use several runs once, with one thread.
-    pub threads: List<usize>,
+    pub threads: Vec<usize>,
     /// Whether to also time k single-threaded copies at once, for each number k of threads.
     pub ceiling: bool,
     pub ratios_to: Option<String>,
     /// Number of blocks. Each block runs every detector once, in a new random order. If 0, only
     /// answers, counts and memory are measured.
-    #[serde(deserialize_with = "list::one")]
     pub blocks: u32,
     /// Seconds after which a scene starts no further block, once it has [`FEWEST_BLOCKS`].
     pub block_budget_s: f64,
@@ -57,7 +52,6 @@ pub struct Experiment {
     pub time_limit_s: f64,
     /// Limit for the arrays of a detector; `None` means the memory of the machine. The address
     /// space of a runner has this limit plus an allowance for input, output and program.
-    #[serde(deserialize_with = "list::some")]
     pub memory_limit_mib: Option<u64>,
     #[serde(rename = "scene")]
     pub scenes: Vec<SceneSweep>,
@@ -97,7 +91,7 @@ impl Default for Experiment {
             standard: false,
             detectors: Vec::new(),
             arithmetics: vec![Arithmetic::Exact],
-            threads: 1.into(),
+            threads: vec![1],
             ceiling: false,
             ratios_to: None,
             blocks: 15,

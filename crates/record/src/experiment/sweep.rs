@@ -2,9 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::experiment::List;
-
-pub type Params = BTreeMap<String, List<toml::Value>>;
+pub type Params = BTreeMap<String, Vec<toml::Value>>;
 
 /// A generator with its parameters; each may be a list of values to sweep over.
 #[derive(Clone, Debug, Deserialize)]
@@ -12,11 +10,11 @@ pub type Params = BTreeMap<String, List<toml::Value>>;
 pub struct SceneSweep {
     /// The generator. `hard` without a `case` means all cases.
     pub name: String,
-    pub dim: List<u32>,
+    pub dim: Vec<u32>,
     /// Numbers of particles; not allowed for `file` and `hard`, whose particles are given.
-    pub n: Option<List<u64>>,
-    pub seed: List<u64>,
-    pub order: List<String>,
+    pub n: Option<Vec<u64>>,
+    pub seed: Vec<u64>,
+    pub order: Vec<String>,
     pub quick: Quick,
     pub params: Params,
     #[serde(skip)]
@@ -27,10 +25,10 @@ impl Default for SceneSweep {
     fn default() -> SceneSweep {
         SceneSweep {
             name: String::new(),
-            dim: 2.into(),
+            dim: vec![2],
             n: None,
-            seed: 1.into(),
-            order: String::from("shuffled").into(),
+            seed: vec![1],
+            order: vec!["shuffled".into()],
             quick: Quick::default(),
             params: Params::new(),
             line: 0,
@@ -41,10 +39,10 @@ impl Default for SceneSweep {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Quick {
-    pub dim: Option<List<u32>>,
-    pub n: Option<List<u64>>,
-    pub seed: Option<List<u64>>,
-    pub order: Option<List<String>>,
+    pub dim: Option<Vec<u32>>,
+    pub n: Option<Vec<u64>>,
+    pub seed: Option<Vec<u64>>,
+    pub order: Option<Vec<String>>,
     pub params: Params,
 }
 

@@ -78,7 +78,7 @@ fn panels(found: &Ratios) -> Vec<Panel<'_>> {
 
 /// Returns the figure as SVG; `None` if the reference has no time.
 pub fn svg(about: &About<'_>, options: &Bars) -> anyhow::Result<Option<String>> {
-    let chosen = select::select(about.cells, &about.figure.filter)?;
+    let chosen = select::select(about.cells, &about.figure.filter);
     let Some(found) = Ratios::new(&chosen, &options.to) else { return Ok(None) };
     let panels = panels(&found);
     if panels.is_empty() {

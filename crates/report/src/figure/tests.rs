@@ -52,7 +52,7 @@ fn threads_and_arithmetics_are_lines_and_failures_marks() {
 
 #[test]
 fn odd_data_do_not_break_a_figure() {
-    for (n, time) in [(0, 0), (1, 1), (u64::MAX, u64::MAX)] {
+    for (n, time) in [(0, 0), (1, 1), (u32::MAX.into(), u64::MAX)] {
         let mut lab = Lab::new("e", "<a & b>");
         lab.detector("my \"own\"").n(n).time(&[time]);
         all_in(&texts(&drawn(&lab.rows(), "time")), &["<a & b>, 2D", "my \"own\""]);

@@ -141,7 +141,7 @@ fn name_one(name: &mut String, key: &str, known: &[String]) -> Result<(), String
 fn resolve(filter: &mut Where, lacking: &[String]) -> Result<(), String> {
     let Some(list) = filter.get_mut("detector") else { return Ok(()) };
     let mut all = Vec::new();
-    for value in list.0.drain(..) {
+    for value in list.drain(..) {
         match value.as_str() {
             Some(group) if group.starts_with('@') => {
                 let members = match detectors::members(group) {
@@ -154,7 +154,7 @@ fn resolve(filter: &mut Where, lacking: &[String]) -> Result<(), String> {
             None => all.push(value),
         }
     }
-    list.0 = all;
+    *list = all;
     Ok(())
 }
 

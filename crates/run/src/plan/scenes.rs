@@ -95,14 +95,14 @@ fn bounded(experiment: &Experiment, sweeps: &[SceneSweep]) -> anyhow::Result<()>
 
 pub(super) fn relative_to(sweep: &mut SceneSweep, folder: &Path) -> anyhow::Result<()> {
     for params in [&mut sweep.params, &mut sweep.quick.params] {
-        match params.get_mut("path").map(|list| list.0.as_mut_slice()) {
+        match params.get_mut("path").map(Vec::as_mut_slice) {
             None => {}
             Some([toml::Value::String(path)]) => {
                 *path = folder.join(&*path).display().to_string();
             }
             Some(_) => bail!("path must be one string"),
         }
-        for curve in params.get_mut("grading").map_or(&mut [][..], |list| &mut list.0) {
+        for curve in params.get_mut("grading").into_iter().flatten() {
             if let toml::Value::String(path) = curve
                 && !generate::grading::is_points(path)
             {

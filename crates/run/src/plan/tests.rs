@@ -66,7 +66,7 @@ fn scenes_are_refused_with_their_line() {
 n = [1, "a"] => line 8, column 9 => the text "a" stands where a whole number
 n = "a" => line 8, column 5 => a whole number of at least 0 is expected
 n = -1 => line 8, column 5 => -1 stands where a whole number of at least 0
-n = 1979-05-27 => line 8, column 5 => a value or a list of values is expected
+n = 1979-05-27 => line 8, column 5 => a whole number of at least 0 is expected
 n = 5; order = "up" => line 6: scene packed: order is 'up' => must be shuffled, generated
 n = 5; quick.n = "x" => line 9, column 11 => a whole number
 n = 5; quick = 3 => line 9, column 9 => 3 stands where a table

@@ -11,8 +11,7 @@ use std::fmt;
 
 use crate::record::column::Column;
 use crate::record::outcome::Pass;
-use serde::de::{Error, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 
 /// Maximum nesting of parentheses, signs and powers; it bounds the recursion of the parser.
 const DEEPEST: u32 = 64;
@@ -27,7 +26,8 @@ enum Step {
     Binary(Binary),
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize)]
+#[serde(try_from = "toml::Value")]
 pub struct Expression {
     text: String,
     /// Each variable, and the column where it first occurs.
@@ -35,40 +35,17 @@ pub struct Expression {
     steps: Vec<Step>,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("cannot read the expression '{text}': at column {column}, {problem}")]
-pub struct NotAnExpression {
-    text: String,
-    /// Place of the error in the text, in characters from 1.
-    pub column: usize,
-    problem: String,
-}
+impl TryFrom<toml::Value> for Expression {
+    type Error = String;
 
-impl<'de> Deserialize<'de> for Expression {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Expression, D::Error> {
-        deserializer.deserialize_any(TextOrNumber)
-    }
-}
-
-struct TextOrNumber;
-
-impl Visitor<'_> for TextOrNumber {
-    type Value = Expression;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("an expression in quotes, or a number")
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Expression, E> {
-        self.visit_str(&value.to_string())
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Expression, E> {
-        self.visit_str(&value.to_string())
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<Expression, E> {
-        Expression::parse(text).map_err(E::custom)
+    fn try_from(value: toml::Value) -> Result<Expression, String> {
+        match value {
+            toml::Value::String(text) => Expression::parse(&text),
+            toml::Value::Integer(_) | toml::Value::Float(_) => {
+                Expression::parse(&value.to_string())
+            }
+            _ => Err("an expression in quotes, or a number, is expected".into()),
+        }
     }
 }
 
@@ -80,15 +57,17 @@ impl fmt::Display for Expression {
 
 impl Expression {
     /// Parses an expression; names of variables are not checked.
-    pub fn parse(text: &str) -> Result<Expression, NotAnExpression> {
+    pub fn parse(text: &str) -> Result<Expression, String> {
         let expression = Expression { text: text.into(), variables: Vec::new(), steps: Vec::new() };
         let mut parser = Parser { rest: text.chars().collect(), at: 0, depth: 0, expression };
-        match parser.operand(0).and_then(|()| parser.end()) {
-            Ok(()) => Ok(parser.expression),
-            Err(problem) => {
-                Err(NotAnExpression { text: text.into(), column: parser.at + 1, problem })
-            }
-        }
+        let parsed = parser.operand(0).and_then(|()| match parser.peek() {
+            None => Ok(()),
+            Some(_) => Err(format!("an operator is expected, not {}", parser.found())),
+        });
+        let column = parser.at + 1;
+        parsed.map(|()| parser.expression).map_err(|problem| {
+            format!("cannot read the expression '{text}': at column {column}, {problem}")
+        })
     }
 
     pub fn variables(&self) -> impl Iterator<Item = (&str, usize)> {
@@ -173,9 +152,13 @@ impl Parser {
             Some('(') => {
                 self.at += 1;
                 self.operand(0)?;
-                self.closed()
+                if self.peek() != Some(')') {
+                    return Err(format!("an operator or ')' is expected, not {}", self.found()));
+                }
+                self.at += 1;
+                Ok(())
             }
-            Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
+            Some('0'..='9' | '.') => self.number(),
             Some(c) if c.is_alphabetic() || c == '_' => {
                 self.variable();
                 Ok(())
@@ -184,66 +167,46 @@ impl Parser {
         }
     }
 
+    /// Returns the text up to the first place where `is_part` fails.
+    fn take(&mut self, is_part: impl Fn(&[char], usize) -> bool) -> String {
+        let start = self.at;
+        while self.at < self.rest.len() && is_part(&self.rest, self.at) {
+            self.at += 1;
+        }
+        self.rest[start..self.at].iter().collect()
+    }
+
     fn number(&mut self) -> Result<(), String> {
         let start = self.at;
-        let digits = |parser: &mut Parser| {
-            while parser.rest.get(parser.at).is_some_and(char::is_ascii_digit) {
-                parser.at += 1;
+        let text = self.take(|all, k| {
+            let digit = |k: usize| all.get(k).is_some_and(char::is_ascii_digit);
+            match all[k] {
+                // The exponent is part of the number if it has digits.
+                'e' | 'E' => {
+                    digit(k + 1) || matches!(all.get(k + 1), Some('+' | '-')) && digit(k + 2)
+                }
+                '+' | '-' => matches!(all[k - 1], 'e' | 'E'),
+                c => c.is_ascii_digit() || c == '.',
             }
-        };
-        digits(self);
-        if self.rest.get(self.at) == Some(&'.') {
-            self.at += 1;
-            digits(self);
-        }
-        if matches!(self.rest.get(self.at), Some('e' | 'E')) {
-            let signed = matches!(self.rest.get(self.at + 1), Some('+' | '-'));
-            let exponent = self.at + 1 + usize::from(signed);
-            if self.rest.get(exponent).is_some_and(char::is_ascii_digit) {
-                self.at = exponent;
-                digits(self);
-            }
-        }
-        let text: String = self.rest[start..self.at].iter().collect();
-        match text.parse::<f64>() {
-            Ok(number) if number.is_finite() => {
-                self.expression.steps.push(Step::Number(number));
-                Ok(())
-            }
-            _ => {
-                self.at = start;
-                Err(format!("'{text}' is not a finite number"))
-            }
-        }
-    }
-
-    fn variable(&mut self) {
-        let start = self.at;
-        while self.rest.get(self.at).is_some_and(|c| c.is_alphanumeric() || *c == '_') {
-            self.at += 1;
-        }
-        let name: String = self.rest[start..self.at].iter().collect();
-        let variables = &mut self.expression.variables;
-        let k = variables.iter().position(|(known, _)| *known == name).unwrap_or_else(|| {
-            variables.push((name, start + 1));
-            variables.len() - 1
         });
-        self.expression.steps.push(Step::Variable(k));
-    }
-
-    fn closed(&mut self) -> Result<(), String> {
-        if self.peek() != Some(')') {
-            return Err(format!("an operator or ')' is expected, not {}", self.found()));
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        if number.is_none() {
+            self.at = start;
         }
-        self.at += 1;
+        let number = number.ok_or_else(|| format!("'{text}' is not a finite number"))?;
+        self.expression.steps.push(Step::Number(number));
         Ok(())
     }
 
-    fn end(&mut self) -> Result<(), String> {
-        match self.peek() {
-            None => Ok(()),
-            Some(_) => Err(format!("an operator is expected, not {}", self.found())),
-        }
+    fn variable(&mut self) {
+        let column = self.at + 1;
+        let name = self.take(|all, k| all[k].is_alphanumeric() || all[k] == '_');
+        let variables = &mut self.expression.variables;
+        let k = variables.iter().position(|(known, _)| *known == name).unwrap_or_else(|| {
+            variables.push((name, column));
+            variables.len() - 1
+        });
+        self.expression.steps.push(Step::Variable(k));
     }
 
     fn peek(&mut self) -> Option<char> {

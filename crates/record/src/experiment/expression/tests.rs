@@ -54,11 +54,11 @@ fn errors_name_the_column() {
         ("n ** 2", 4, "not '*'"),
     ] {
         let error = Expression::parse(text).map(|_| text).unwrap_err();
-        assert_eq!(error.column, column, "{error}");
-        assert!(error.to_string().contains(problem), "{error}");
+        assert!(error.contains(&format!(": at column {column}, ")), "{error}");
+        assert!(error.contains(problem), "{error}");
     }
     for deep in ["(".repeat(100_000), "-".repeat(100_000), "2^".repeat(100_000)] {
-        let error = Expression::parse(&deep).unwrap_err().to_string();
+        let error = Expression::parse(&deep).unwrap_err();
         assert!(error.contains("nested more than 64 levels"), "{}", &error[..40]);
     }
     assert_eq!(value(&format!("1{}", "+1".repeat(100_000))), 100_001.0);

@@ -70,16 +70,12 @@ pub fn any_failed(verdicts: &[Verdict]) -> bool {
     verdicts.iter().any(|verdict| verdict.machine_independent && verdict.status == Status::Fails)
 }
 
-/// Checks every claim of an experiment against the cells of that experiment. A claim that cannot be
-/// checked, for example because of an unknown variable, fails with the reason.
+/// Checks every claim of an experiment against the cells of that experiment.
 pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>) -> Vec<Verdict> {
     let own: Vec<Cell> =
         cells.iter().filter(|cell| cell.id.experiment == experiment.name).cloned().collect();
     let judge = |claim: &Claim| {
-        let (finding, mut evidence) = check(claim, &own).unwrap_or_else(|error| {
-            let words = format!("cannot be checked: {error:#}");
-            (Finding::new(Status::Fails, words), Evidence::default())
-        });
+        let (finding, mut evidence) = check(claim, &own);
         evidence.found = finding.words;
         evidence.nothing = finding.nothing;
         evidence.of_machine = claim.uses_time();
@@ -101,13 +97,13 @@ pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>
     experiment.claims.iter().map(judge).collect()
 }
 
-fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<(Finding, Evidence)> {
-    let end = |finding| Ok((finding, Evidence::default()));
+fn check(claim: &Claim, own: &[Cell]) -> (Finding, Evidence) {
+    let end = |finding| (finding, Evidence::default());
     if own.is_empty() {
         return end(Finding::nothing("no rows of this experiment"));
     }
     let named = claim.filter.contains_key("detector");
-    let mut cells = select::select(own, &claim.filter)?;
+    let mut cells = select::select(own, &claim.filter);
     cells.retain(|cell| named || !cell.role.is_control());
     if cells.is_empty() {
         return end(Finding::nothing("no cell matches"));
@@ -123,7 +119,7 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<(Finding, Evidence)> {
         let words = format!("a detector of this program crashed, first at {first}");
         return end(Finding::new(Status::Fails, words));
     }
-    let finding = finding(&claim.kind, &cells, own)?;
+    let finding = finding(&claim.kind, &cells, own);
     let mut outcomes = BTreeMap::new();
     for cell in cells.iter().filter(|cell| !finding.used.contains(&cell.id)) {
         let outcome = cell.overall().0;
@@ -134,41 +130,38 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<(Finding, Evidence)> {
     let of_law = matches!(claim.kind, ClaimKind::Constant { .. } | ClaimKind::Model { .. });
     cells.retain(|cell| finding.used.contains(&cell.id));
     let time = if of_law && !claim.uses_time() { times(&cells) } else { None };
-    Ok((finding, Evidence { without, time, ..Evidence::default() }))
+    (finding, Evidence { without, time, ..Evidence::default() })
 }
 
-fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> anyhow::Result<Finding> {
-    let points = |sides: &[&Expression]| -> anyhow::Result<Vec<Valued<'_>>> {
-        sides.iter().try_for_each(|side| side.check(own))?;
-        let mut points = Vec::new();
-        for &cell in cells {
+fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> Finding {
+    let points = |sides: &[&Expression]| -> Vec<Valued<'_>> {
+        let point = |&cell| {
             let values: Option<Vec<f64>> = sides.iter().map(|side| reading(side, cell)).collect();
-            points.extend(values.map(|values| Valued { cell, value: values[0] }));
-        }
-        Ok(points)
+            values.map(|values| Valued { cell, value: values[0] })
+        };
+        cells.iter().filter_map(point).collect()
     };
-    Ok(match kind {
-        ClaimKind::Constant { value, within } => constant(&points(&[value])?, *within),
+    match kind {
+        ClaimKind::Constant { value, within } => constant(&points(&[value]), *within),
         ClaimKind::Equal { value, to, within } => {
-            compared(&points(&[value, to])?, |cell| reading(to, cell), Some(*within))
+            compared(&points(&[value, to]), |cell| reading(to, cell), Some(*within))
         }
         ClaimKind::AtMost { value, to, than: None } => {
-            compared(&points(&[value, to])?, |cell| reading(to, cell), None)
+            compared(&points(&[value, to]), |cell| reading(to, cell), None)
         }
         ClaimKind::AtMost { value, to, than: Some(than) } => {
-            to.check(own)?;
             let by_id: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
             let other = |cell: &Cell| {
                 let id = cell.id.clone().with_subject(than);
                 by_id.get(&id).and_then(|other| reading(to, other))
             };
-            let mut points = points(&[value])?;
+            let mut points = points(&[value]);
             points.retain(|point| point.cell.id.subject() != *than);
             compared(&points, other, None)
         }
-        ClaimKind::Model { value, model } => grows(&points(&[value])?, *model),
+        ClaimKind::Model { value, model } => grows(&points(&[value]), *model),
         ClaimKind::Faster { than, by } => faster(than, *by, cells, own),
-    })
+    }
 }
 
 /// Smallest and largest median time per particle, if all cells have one, and have the same

@@ -54,11 +54,9 @@ pub struct Plot {
 impl Plot {
     /// Collects the data of a figure; `None` if there is nothing to show.
     pub fn new(about: &About<'_>, options: &Lines) -> anyhow::Result<Option<Plot>> {
-        let chosen = select::select(about.cells, &about.figure.filter)?;
+        let chosen = select::select(about.cells, &about.figure.filter);
         let x_name = options.x.replace('-', "_");
-        let x = Expression::parse(&x_name)?;
-        x.check(about.cells)?;
-        options.y.check(about.cells)?;
+        let x = Expression::parse(&x_name).map_err(anyhow::Error::msg)?;
         let names = Names::new(&chosen, &x_name);
         // A subject that lacks the parameter x, while others have it, is a horizontal line.
         let of_some = chosen.iter().any(|cell| cell.id.detector_params.contains_key(&x_name));

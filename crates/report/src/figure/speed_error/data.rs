@@ -48,7 +48,7 @@ pub struct Plot {
 impl Plot {
     /// Collects the data of a figure; `None` if no cell has both a time and errors.
     pub fn new(about: &About<'_>, options: &SpeedError) -> anyhow::Result<Option<Plot>> {
-        let mut chosen = select::select(about.cells, &about.figure.filter)?;
+        let mut chosen = select::select(about.cells, &about.figure.filter);
         chosen.retain(|cell| !cell.role.is_control());
         let names: BTreeSet<&str> = chosen.iter().map(|cell| &*cell.id.arithmetic).collect();
         let known = |name: &str| Arithmetic::ALL.iter().position(|known| known.name() == name);
