@@ -1,10 +1,8 @@
 //! Start and end of a process: arguments, errors, exit codes.
 
-use std::error::Error as _;
 use std::process::ExitCode;
 
 use clap::Parser;
-use clap::error::{ContextKind as Kind, ContextValue, ErrorKind};
 use contactbench_ground::limits::refusal::no_memory;
 
 use crate::cli::{say, shell};
@@ -43,70 +41,14 @@ pub fn parsed<Cli: Parser>() -> Result<Cli, ExitCode> {
     })
 }
 
-/// Returns the name of an option or argument without that of its value.
-fn name(shown: &str) -> String {
-    match shown.starts_with('-') {
-        true => shown.split([' ', '=', '[']).next().unwrap_or_default().to_string(),
-        false => shown.replace(['<', '>', '[', ']'], ""),
-    }
-}
-
-/// Formats an error of clap like the errors of this program: one sentence with a remedy.
+/// Formats an error of clap like the errors of this program, as one line.
 fn sentence(error: &clap::Error) -> String {
-    let all = |kind| match error.get(kind) {
-        Some(ContextValue::String(text)) => vec![text.clone()],
-        Some(ContextValue::Strings(texts)) => texts.clone(),
-        Some(ContextValue::StyledStrs(texts)) => texts.iter().map(ToString::to_string).collect(),
-        Some(ContextValue::StyledStr(text)) => vec![text.to_string()],
-        _ => Vec::new(),
-    };
-    let one = |kind| all(kind).join(", ");
-    let options: Vec<String> = all(Kind::InvalidArg).iter().map(|shown| name(shown)).collect();
-    let option = options.join(", ");
-    let value = one(Kind::InvalidValue);
-    let what = match error.kind() {
-        ErrorKind::UnknownArgument if option.starts_with('-') => {
-            format!("there is no option {option}")
-        }
-        ErrorKind::UnknownArgument => {
-            format!("'{}' is one argument too many", one(Kind::InvalidArg))
-        }
-        ErrorKind::InvalidSubcommand => {
-            format!("there is no verb '{}'", one(Kind::InvalidSubcommand))
-        }
-        ErrorKind::MissingRequiredArgument => format!("missing: {option}"),
-        ErrorKind::InvalidValue if value.is_empty() => format!("{option} needs a value"),
-        ErrorKind::InvalidValue => {
-            format!("{option} cannot be '{value}'; it must be one of {}", one(Kind::ValidValue))
-        }
-        ErrorKind::ValueValidation if !option.is_empty() => {
-            let why = error.source().map(ToString::to_string).unwrap_or_default();
-            match why.contains(&format!("'{value}'")) {
-                true => format!("{option}: {why}"),
-                false => format!("{option} cannot be '{value}'; {why}"),
-            }
-        }
-        ErrorKind::ArgumentConflict => {
-            format!("{option} cannot be used with {}; leave one out", name(&one(Kind::PriorArg)))
-        }
-        _ => {
-            let text = error.render().to_string();
-            text.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string()
-        }
-    };
-    let near = [Kind::SuggestedArg, Kind::SuggestedSubcommand, Kind::SuggestedValue]
-        .into_iter()
-        .find_map(|kind| all(kind).pop());
-    let near = near.map(|near| format!(" (did you mean {near}?)"));
-    let advice = shell::advice(error).map(|advice| format!("; {advice}"));
-    let remedy = advice.or(near).unwrap_or_default();
-    let usage = one(Kind::Usage);
-    let usage = usage.trim_start_matches("Usage: ").split(['[', '<']).next().unwrap_or_default();
-    let help = match usage.split(" -").next().unwrap_or_default().trim() {
-        "" => String::new(),
-        command => format!("; see {command} --help"),
-    };
-    format!("{what}{remedy}{help}")
+    let text = error.render().to_string();
+    let usage = |part: &&str| !part.starts_with("Usage:") && !part.starts_with("For more");
+    let parts = text.split("\n\n").map(str::trim).take_while(usage);
+    let parts = parts.map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
+    let parts: Vec<String> = parts.chain(shell::advice(error)).collect();
+    format!("{}; see --help", parts.join("; ").trim_start_matches("error: "))
 }
 
 /// Returns the exit code of a verb, and prints its error.

@@ -55,8 +55,6 @@ pub struct Chapter<'a> {
 
 pub struct Origin {
     pub provenance: Option<Value>,
-    /// Provenance of the runs that resumed the record, by date.
-    pub resumed: Vec<Value>,
     pub conditions: Conditions,
     pub ledger: Ledger,
 }
@@ -110,7 +108,6 @@ impl Origin {
         let ledger = Ledger::read(folder);
         Origin {
             provenance: provenance::of_folder(folder),
-            resumed: provenance::of_others(folder, "resumed-"),
             conditions: Conditions::new(&provenance::all(folder), &ledger, rows),
             ledger,
         }

@@ -47,21 +47,15 @@ struct Names {
     kind: String,
 }
 
-struct Change {
-    path: PathBuf,
-    /// Present text of the file; `None` for a new file.
-    before: Option<String>,
-    after: String,
-}
+/// What happens to a file, its path, and its new text.
+type Change = (&'static str, PathBuf, String);
 
-/// Writes the module of a new detector and its entries; writes all files or none.
+/// Writes the module of a new detector and its entries. Nothing is written unless all can be made.
 pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
     let names = names(&options.name)?;
-    let changes = changes(&options.root, &names)?;
-    write_all(&changes)?;
     let mut out = terminal::out();
-    for Change { path, before, .. } in &changes {
-        let what = if before.is_none() { "wrote  " } else { "changed" };
+    for (what, path, text) in changes(&options.root, &names)? {
+        terminal::save(&path, text.as_bytes(), "--in")?;
         writeln!(out, "{what} {}", path.display())?;
     }
     let check = format!("cargo run -- check --detector {}", names.name);
@@ -107,7 +101,7 @@ fn names(given: &str) -> anyhow::Result<Names> {
     Ok(Names { name, module, kind })
 }
 
-fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
+fn changes(root: &Path, names: &Names) -> anyhow::Result<[Change; 3]> {
     let folder = root.join(FOLDER);
     let (modules, lines) = (folder.join("lib.rs"), folder.join("table/mod.rs"));
     for path in [&modules, &lines] {
@@ -123,7 +117,7 @@ fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
     };
     let (module_text, table_text) = (read(&modules)?, read(&lines)?);
     let file = folder.join(format!("{}.rs", names.module));
-    let taken = module_lines(&module_text).any(|(_, module)| module == names.module);
+    let taken = module_text.lines().any(|line| module(line) == Some(&names.module));
     ensure!(
         !taken && !file.exists() && !folder.join(&names.module).exists(),
         "the module {} exists already in {FOLDER}; choose another name",
@@ -150,40 +144,25 @@ fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
         bail!(by_hand(&lines, &entry(names)))
     };
     let detector = TEMPLATE.replace(NAME, &names.name).replace(TYPE, &names.kind);
-    Ok(vec![
-        Change { path: file, before: None, after: detector },
-        Change { path: modules, before: Some(module_text), after: with_module },
-        Change { path: lines, before: Some(table_text), after: with_line },
+    Ok([
+        ("wrote  ", file, detector),
+        ("changed", modules, with_module),
+        ("changed", lines, with_line),
     ])
 }
 
-/// Iterates over the lines `pub mod NAME;` of a file: offset of the line in bytes, and name.
-fn module_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let starts = text.split_inclusive('\n').scan(0, |start, line| {
-        *start += line.len();
-        Some((*start - line.len(), line))
-    });
-    starts.filter_map(|(start, line)| {
-        Some((start, line.trim_end().strip_prefix("pub mod ")?.strip_suffix(';')?))
-    })
+/// Returns NAME of a line `pub mod NAME;`.
+fn module(line: &str) -> Option<&str> {
+    line.strip_prefix("pub mod ")?.strip_suffix(';')
 }
 
 /// Inserts `pub mod` for the module into the text, in alphabetical order.
-fn with_module(text: &str, module: &str) -> Option<String> {
-    let last = module_lines(text).last()?;
-    let at = match module_lines(text).find(|(_, other)| *other > module) {
-        // The line goes above the attributes and comments of the next module.
-        Some((start, _)) => {
-            let before = text[..start].split_inclusive('\n').rev();
-            start
-                - before
-                    .take_while(|line| line.starts_with("#[") || line.starts_with("// "))
-                    .map(str::len)
-                    .sum::<usize>()
-        }
-        None => last.0 + text[last.0..].find('\n')? + 1,
-    };
-    Some(format!("{}pub mod {module};\n{}", &text[..at], &text[at..]))
+fn with_module(text: &str, name: &str) -> Option<String> {
+    let (line, mut lines) = (format!("pub mod {name};"), Vec::from_iter(text.lines()));
+    let last = lines.iter().rposition(|line| module(line).is_some())?;
+    let next = lines.iter().position(|line| module(line).is_some_and(|other| other > name));
+    lines.insert(next.unwrap_or(last + 1), &line);
+    Some(lines.join("\n") + "\n")
 }
 
 /// Inserts the entry into the table, before the controls or else at the end.
@@ -212,64 +191,4 @@ fn entry(Names { name, module, kind }: &Names) -> String {
          N^(2 - 1/D) bound tests in a box\",\n        memory: \"16N\",\n        limits: \"the \
          memory limit\",\n{constructor}        ..PLAIN\n    }},\n"
     )
-}
-
-/// Writes all files under temporary names, then renames them: no file is ever half written, and
-/// nothing changes unless all could be written.
-fn write_all(changes: &[Change]) -> anyhow::Result<()> {
-    let written = |change: &Change| -> std::io::Result<tempfile::NamedTempFile> {
-        let folder = change.path.parent().unwrap_or(Path::new("."));
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        file.write_all(change.after.as_bytes())?;
-        if let Ok(metadata) = std::fs::metadata(&change.path) {
-            file.as_file().set_permissions(metadata.permissions())?;
-        }
-        Ok(file)
-    };
-    let mut files = Vec::new();
-    for change in changes {
-        let name = change.path.display();
-        let file = written(change);
-        files.push(file.with_context(|| format!("cannot write {name}; nothing was changed"))?);
-    }
-    for (file, Change { path, before, .. }) in files.into_iter().zip(changes) {
-        // A new file never replaces one that another program has made meanwhile.
-        let put = match before {
-            None => file.persist_noclobber(path),
-            Some(_) => file.persist(path),
-        };
-        put.with_context(|| format!("cannot write {}", path.display()))?;
-    }
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn nothing_is_changed_unless_all_can_be_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        std::fs::write(at("old"), "before").unwrap();
-        let change = |path: PathBuf, before: Option<&str>| Change {
-            path,
-            before: before.map(String::from),
-            after: "after".into(),
-        };
-        let whole = [change(at("new"), None), change(at("old"), Some("before"))];
-        let mut half = Vec::from(whole);
-        half.push(change(at("no-folder/file"), Some("before")));
-        let error = format!("{:#}", write_all(&half).unwrap_err());
-        assert!(error.contains("no-folder") && error.contains("nothing was changed"), "{error}");
-        assert!(!at("new").exists() && std::fs::read_to_string(at("old")).unwrap() == "before");
-        half.pop();
-        write_all(&half).unwrap();
-        assert_eq!(
-            ["new", "old"].map(|name| std::fs::read_to_string(at(name)).unwrap()),
-            ["after", "after"]
-        );
-        // The file exists now, so writing it as a new file fails and keeps it.
-        assert!(write_all(&half[..1]).is_err() && at("new").exists());
-    }
 }

@@ -62,7 +62,7 @@ fn a_mistake_is_answered_by_the_nearest_name() {
     let at = Place::new();
     at.file("a.csv", "x,y,r\n0,0,1\n");
     for (line, nearest) in [
-        ("dtect a.csv", "detect?"),
+        ("dtect a.csv", "detect'"),
         ("detect a.csv --detectr nbs", "--detector"),
         ("detect a.csv --detector nbz", "nbs"),
         ("detect a.csv --arithmetic f46", "f64"),

@@ -1,7 +1,7 @@
 use super::{Block, Text};
 use contactbench_terms::text::html as escape;
 
-/// Returns the blocks as HTML. A figure is replaced by its title; the page adds the picture.
+/// Returns the blocks as HTML. The page contains its figures.
 pub fn html(blocks: &[Block]) -> String {
     blocks.iter().map(block_text).collect()
 }
@@ -21,7 +21,11 @@ fn block_text(block: &Block) -> String {
         }
         Block::Code(text) => format!("<pre tabindex=\"0\">{}</pre>\n", escape(text)),
         Block::Table(table) => table.html(""),
-        Block::Figure { title, .. } => format!("<p>{}</p>\n", escape(title)),
+        Block::Figure { title, path } => {
+            let (title, svg) = (escape(title), std::fs::read_to_string(path).unwrap_or_default());
+            let svg = svg.replacen("<svg", &format!("<svg role=\"img\" aria-label=\"{title}\""), 1);
+            format!("<figure>{svg}<figcaption>{title}</figcaption></figure>\n")
+        }
     }
 }
 

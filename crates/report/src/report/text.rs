@@ -2,8 +2,8 @@ use serde_json::Value;
 
 use crate::document::{Block, Text};
 use crate::facts::{Chapter, Facts};
-use crate::page::origin::{command, shown};
 use crate::sections;
+use crate::sections::trust::conditions;
 
 impl Facts<'_> {
     pub fn title(&self) -> &str {
@@ -36,18 +36,18 @@ impl Facts<'_> {
         out
     }
 
-    pub(super) fn report(&self) -> Vec<Block> {
-        let mut out = self.head();
+    pub(crate) fn report(&self) -> Vec<Block> {
+        let mut out = vec![Block::heading(1, self.title())];
+        out.extend(self.head());
         self.chapters.iter().for_each(|chapter| chapter.section(&mut out));
         self.foot(&mut out);
         out
     }
 
-    /// Returns title, warnings, each question with its answer, and the origin of the record.
-    fn head(&self) -> Vec<Block> {
+    /// Returns warnings, each question with its answer, and the origin of the record.
+    pub(crate) fn head(&self) -> Vec<Block> {
         let warning = |text: &String| Block::Warning(text.as_str().into());
-        let mut out = vec![Block::heading(1, self.title())];
-        out.extend(self.wrong.iter().map(warning));
+        let mut out: Vec<Block> = self.wrong.iter().map(warning).collect();
         out.extend(self.alerts.iter().cloned());
         for chapter in &self.chapters {
             out.push(Block::Paragraph(Text::new().strong(chapter.experiment.question.as_str())));
@@ -63,10 +63,10 @@ impl Facts<'_> {
         }
         out.extend(self.whole.iter().cloned().map(Block::paragraph));
         if let Some(fields) = self.provenance()
-            && let Some(command) = command(fields)
+            && let Some(command) = fields.get("command")
         {
             out.push(Block::paragraph(format!("Made{} with this command:", program(fields))));
-            out.push(Block::Code(command));
+            out.push(Block::Code(shown(command)));
         }
         out.extend(self.warnings.iter().map(warning));
         out
@@ -89,12 +89,20 @@ impl Facts<'_> {
         )));
         if let Some(Value::Object(fields)) = self.provenance() {
             out.push(Block::heading(2, "Machine and provenance"));
-            out.extend(self.origin.machine());
+            out.extend(conditions::machine(&self.origin.conditions).map(Block::paragraph));
             let line = |(name, value): (&String, &Value)| format!("{name}: {}", shown(value));
             out.push(Block::List(fields.iter().map(line).map(Text::from).collect()));
         }
-        out.extend(self.origin.programs(2));
+        let programs = conditions::programs(&self.origin.ledger);
+        if !programs.is_empty() {
+            let programs = Block::List(programs.into_iter().map(Text::from).collect());
+            out.extend([Block::heading(2, "Programs"), programs]);
+        }
     }
+}
+
+fn shown(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), String::from)
 }
 
 /// Returns the date and the program of a record, from which a reader sees its age.
@@ -131,14 +139,22 @@ impl Chapter<'_> {
             out.push(Block::paragraph("The record has no rows of this experiment."));
         }
         out.extend(sections::claims::blocks(&self.verdicts));
-        let reading = Text::new().emphasis("How to read it:");
-        out.push(Block::Paragraph(reading.plain(format!(" {}", experiment.reading))));
+        out.push(self.reading());
         if let Some(matrix) = &self.matrix {
             out.push(Block::heading(3, "Who is right"));
             out.extend(sections::claims::verdicts::blocks(matrix));
         }
-        let figures = self.figures.iter().cloned();
-        out.extend(figures.map(|(title, path)| Block::Figure { title, path }));
+        out.extend(self.pictures());
         out.extend(self.tables.iter().cloned());
+    }
+
+    pub(crate) fn reading(&self) -> Block {
+        let reading = Text::new().emphasis("How to read it:");
+        Block::Paragraph(reading.plain(format!(" {}", self.experiment.reading)))
+    }
+
+    pub(crate) fn pictures(&self) -> impl Iterator<Item = Block> {
+        let figures = self.figures.iter().cloned();
+        figures.map(|(title, path)| Block::Figure { title, path })
     }
 }

@@ -1,13 +1,13 @@
-//! The table of all measurements, the table of one detector, and its history.
+//! The table of all measurements, and of one detector.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{About, Record, stem};
-use crate::page::{measured, operations};
+use crate::page::measured;
 use crate::table::{Cell as Entry, Table};
 use contactbench_record::cells::{Cell, ids, label};
 use contactbench_record::record::folder::ledger::Ledger;
-use contactbench_record::record::id::{CellId, Projection};
+use contactbench_record::record::id::CellId;
 use contactbench_record::record::row::Pass;
 
 /// One subject on one scene and machine.
@@ -29,17 +29,6 @@ impl Line<'_> {
 
     fn date(&self) -> String {
         self.record.day.clone() + if self.old { " (old)" } else { "" }
-    }
-
-    /// The identity of exact counts, which are the same in every record.
-    fn key(&self) -> Projection {
-        self.cell.id.without(&["experiment", "machine"])
-    }
-
-    /// Returns operations and bytes, which two programs share if they compute in the same way.
-    fn counted(&self) -> [Option<u64>; 2] {
-        let bytes = self.cell.variable("peak_bytes", None);
-        [Some(operations(self.cell)), bytes].map(|value| value.map(|value| value as u64))
     }
 }
 
@@ -91,32 +80,4 @@ pub fn table(lines: &[&Line<'_>], root: &str) -> Table {
         .left("version", |it| &*it.version)
         .left("record", |it| Entry::Link(it.date(), format!("{root}{}", it.record.page())))
         .into()
-}
-
-/// Returns the exact counts of scenes for which they changed from one program to another; `None` if
-/// there are none.
-pub fn history(lines: &[&Line<'_>]) -> Option<Table> {
-    let mut groups: BTreeMap<Projection, Vec<&Line<'_>>> = BTreeMap::new();
-    for line in lines.iter().filter(|line| line.ours && operations(line.cell) > 0.0) {
-        groups.entry(line.key()).or_default().push(line);
-    }
-    // Another record may describe the same scene in other words.
-    let mut rows: Vec<(&str, &Line<'_>)> = Vec::new();
-    for lines in groups.values_mut() {
-        lines.sort_by_key(|line| &line.record.day);
-        lines.dedup_by_key(|line| line.counted());
-        if lines.len() > 1 {
-            rows.extend(lines.iter().map(|line| (&*lines[0].scene, *line)));
-        }
-    }
-    let per = |cell: &Cell, name| Some(cell.variable(name, None)? / cell.id.n.max(1) as f64);
-    let table: Table = Table::of("", rows.iter().copied())
-        .left("scene", |it| it.0)
-        .left("settings", |it| it.1.cell.id.subject())
-        .left("program", |it| format!("{} ({})", it.1.record.day, it.1.record.revision))
-        .right("contact tests / N", |it| per(it.1.cell, "contact_test"))
-        .right("operations / N", |it| operations(it.1.cell) / it.1.cell.id.n.max(1) as f64)
-        .right("bytes / N", |it| per(it.1.cell, "peak_bytes"))
-        .into();
-    (!table.rows.is_empty()).then_some(table)
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-use crate::document::{self, Block, Text};
+use crate::document::{self, Block};
 use crate::facts::{Chapter, Facts};
 use crate::figure::style::Styles;
 use crate::page;
@@ -142,33 +142,20 @@ impl<'a> Record<'a> {
 
     /// Returns the first question of the record.
     fn question(&self) -> &str {
-        self.facts
-            .chapters
-            .first()
-            .map_or(self.facts.title(), |chapter| &chapter.experiment.question)
+        let first = self.facts.chapters.first();
+        first.map_or(self.facts.title(), |chapter| &chapter.experiment.question)
     }
 
     /// Returns the page: for each experiment its question, answers and first figure.
     fn html(&self) -> String {
         let facts = &self.facts;
-        let mut blocks: Vec<Block> =
-            facts.wrong.iter().map(|text| Block::Warning(text.as_str().into())).collect();
-        blocks.extend(facts.alerts.iter().cloned());
-        let older = "Another program made later records here.";
-        blocks.extend(self.older.then(|| Block::paragraph(older)));
-        let made = Text::from(format!("{}, {}, program ", self.day, self.cpu));
-        blocks.push(Block::Paragraph(made.code(&*self.revision).plain(".")));
-        let mut out = document::html(&blocks) + &page::legend(facts.cells, &facts.styles);
+        let mut blocks = facts.head();
         for chapter in &facts.chapters {
-            out += &page::answers(chapter, true);
-            for (title, path) in &chapter.figures {
-                let title = escape(title);
-                let svg = std::fs::read_to_string(path).unwrap_or_default();
-                out += &format!("<figure>{svg}<figcaption>{title}</figcaption></figure>\n");
-            }
-            out += &format!("<p class=\"note\">{}</p>\n", page::code(&chapter.experiment.reading));
+            blocks.push(Block::heading(2, &*chapter.experiment.title));
+            blocks.push(chapter.reading());
+            blocks.extend(chapter.pictures());
         }
-        out
+        page::legend(facts.cells, &facts.styles) + &document::html(&blocks)
     }
 }
 
@@ -263,20 +250,14 @@ impl Site<'_> {
     }
 
     fn detector(&self, name: &str) -> String {
-        let mut lines: Vec<&Line<'_>> =
-            self.lines.iter().filter(|line| line.detector() == name).collect();
-        let mut blocks: Vec<Block> =
-            (self.about)(name).map(|about| Block::paragraph(about.summary)).into_iter().collect();
-        if let Some(table) = field::history(&lines) {
-            blocks.push(Block::heading(2, "Counts that changed from program to program"));
-            blocks.push(Block::paragraph("Counts are exact and do not depend on the machine."));
-            blocks.push(Block::Table(table));
+        let lines = self.lines.iter().filter(|line| line.detector() == name);
+        let (old, mut lines): (Vec<_>, Vec<_>) = lines.partition(|line| line.old);
+        if lines.is_empty() {
+            lines = old;
         }
-        blocks.push(Block::heading(2, "Measurements"));
-        if lines.iter().any(|line| !line.old) {
-            lines.retain(|line| !line.old);
-        }
-        document::html(&blocks) + &field::table(&lines, "../").html("results")
+        let summary = (self.about)(name).map(|about| Block::paragraph(about.summary));
+        let summary = document::html(&Vec::from_iter(summary));
+        summary + &field::table(&lines, "../").html("results")
     }
 }
 

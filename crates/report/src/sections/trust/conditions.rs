@@ -9,8 +9,8 @@ pub fn sentence(conditions: &Conditions) -> Option<String> {
     (!doubts.is_empty()).then(said)
 }
 
-pub fn machine(conditions: &Conditions) -> Vec<String> {
-    [load(conditions), states(conditions)].into_iter().flatten().collect()
+pub fn machine(conditions: &Conditions) -> impl Iterator<Item = String> {
+    [load(conditions), states(conditions)].into_iter().flatten()
 }
 
 fn load(conditions: &Conditions) -> Option<String> {
