@@ -1,15 +1,20 @@
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
 use crate::cli::shared::input;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::terminal;
+use contactbench_detectors::near::contacts;
+use contactbench_ground::contact::Arithmetic;
+use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_io as io;
 use contactbench_io::pairs::List;
 use contactbench_io::{Frame, Place};
+use contactbench_run::verify::{Allowed, Job, Listed, Naming, Terms, Verification, verify};
 use contactbench_scenes::touching::in_any_box;
 use contactbench_terms::number::plural;
 use contactbench_views::draw::{self, Look, Pairs, Slice};
@@ -47,13 +52,16 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     let (n, dim) = (periodic.scene().len(), periodic.scene().dim());
     let limit = options.limit.bytes(n);
     let pairs = match &options.pairs {
-        None => Pairs::from_scene(&periodic, limit).with_context(|| name.clone())?,
+        None => {
+            let contacts = contacts(&periodic, limit).with_context(|| name.clone())?;
+            Pairs { contacts, ..Pairs::default() }
+        }
         Some(path) => {
             let mut list = list(path, options.source.input.frame.unwrap_or_default())?;
             if !given.has_box && !periodic.lattice().repeats() {
                 list.without_box();
             }
-            let pairs = Pairs::compare(&periodic, &list, limit);
+            let pairs = compared(&periodic, &list, limit);
             pairs.with_context(|| path.display().to_string())?
         }
     };
@@ -87,4 +95,36 @@ fn list(path: &Path, frame: Frame) -> anyhow::Result<List> {
         say!("{name}: the list of frame {frame}{step} is drawn");
     }
     Ok(list)
+}
+
+/// Compares a list with the contacts as `verify` does.
+fn compared(space: &Periodic<'_>, list: &List, memory_limit: u64) -> anyhow::Result<Pairs> {
+    let scene = space.scene();
+    if space.lattice().repeats() {
+        list.understood(scene.dim(), space.lattice().periodic())?;
+    } else if let Some(k) = list.images.iter().flatten().position(|image| *image != [0; 3]) {
+        let [i, j] = list.pairs[k];
+        bail!("the pair {i},{j} names an image, and boundaries are open here; give --box LX,LY,LZ");
+    }
+    let terms = Terms {
+        arithmetic: Arithmetic::Exact,
+        allowed: Allowed::default(),
+        memory_limit,
+        kept: usize::MAX,
+        without: None,
+    };
+    let list = Listed { pairs: &list.pairs, images: list.images.as_deref() };
+    let job = Job { space, list, naming: &Naming::Base(0), others: &[], terms };
+    let Verification { truth, missed, spurious, repeated, selves, unknown, .. } = verify(&job)?;
+    if let Some([i, j]) = unknown.first() {
+        let n = scene.len();
+        bail!("the pair {i},{j}: the scene has {n} particles, numbered from 0; verify reads others")
+    }
+    let pairs = |all: Vec<(ImagePair, f64)>| all.into_iter().map(|(pair, _)| pair);
+    let mut contacts = truth.sorted(scene.len(), memory_limit)?;
+    let missed: BTreeSet<ImagePair> = pairs(missed).collect();
+    contacts.retain(|pair| !missed.contains(pair));
+    let (missed, spurious) =
+        (missed.into_iter().collect(), pairs(spurious).chain(selves).collect());
+    Ok(Pairs { contacts, missed, spurious, duplicates: repeated })
 }

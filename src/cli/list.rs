@@ -37,16 +37,9 @@ contactbench_terms::named! {
         Scenes = "SCENES (parameters with their defaults in 2D, 3D; lengths in diameters)",
         Motions = "MOTIONS (with speed=NUMBER, in diameters per frame, and seed=NUMBER)",
         Trackers = "TRACKERS (skins in diameters of the largest particle)",
-        Experiments = "EXPERIMENTS (* part of the standard reproduction)",
+        Experiments = "EXPERIMENTS (standard: those that run without a verb)",
         HardCases = "HARD CASES (in experiments: name = \"hard\", case = \"NAME\")",
     }
-}
-
-/// A listed thing, as lines for people and as JSON.
-struct Item {
-    name: String,
-    lines: Vec<String>,
-    json: Value,
 }
 
 impl What {
@@ -56,7 +49,8 @@ impl What {
         value.map_or(String::new(), |value| value.get_name().replace('-', "_"))
     }
 
-    fn items(self) -> anyhow::Result<Vec<Item>> {
+    /// Returns each thing with its name and all that is known of it.
+    fn items(self) -> anyhow::Result<Vec<Value>> {
         Ok(match self {
             What::Detectors => TABLE.iter().map(detector).collect(),
             What::Arithmetics => Arithmetic::ALL.map(|it| summed(it.name(), it.summary())).into(),
@@ -70,13 +64,44 @@ impl What {
 
     /// Returns a table with two columns: each name, and its lines with an empty line below.
     fn table(self) -> anyhow::Result<Table> {
-        let rows: Vec<(String, Vec<String>)> = std::iter::once((String::new(), Vec::new()))
-            .chain(self.items()?.into_iter().map(|Item { name, lines, .. }| (name, lines)))
-            .collect();
-        let lines = |lines: &[String]| [lines, &[String::new()]].concat();
-        let table = Table::of(self.name(), &rows).left("", |row| row.0.as_str());
-        Ok(table.left("", |row| lines(&row.1)).into())
+        let items = self.items()?;
+        let name = |item: &Value| item["name"].as_str().unwrap_or_default().to_string();
+        let table = Table::of(self.name(), std::iter::once(&Value::Null).chain(&items));
+        Ok(table.left("", name).left("", lines).into())
     }
+}
+
+/// Returns the fields of a thing as lines for people: sentences first, then other fields with their
+/// keys, and a line for each parameter.
+fn lines(item: &Value) -> Vec<String> {
+    const SENTENCES: [&str; 4] = ["summary", "title", "question", "reason"];
+    fn words(value: &Value) -> String {
+        let mut all: Vec<String> = match value {
+            Value::String(text) => return text.clone(),
+            Value::Array(all) => all.iter().map(words).collect(),
+            // Values for 2D and 3D, which are often the same.
+            Value::Object(all) => all.values().map(words).collect(),
+            value => return value.to_string(),
+        };
+        all.dedup();
+        all.join(", ")
+    }
+    let parameter = |it: &Value| {
+        let values = it.get("defaults").unwrap_or(&it["values"]);
+        format!("{} [{}]: {}", words(&it["name"]), words(values), words(&it["meaning"]))
+    };
+    let mut lines: Vec<String> =
+        SENTENCES.iter().filter_map(|key| item.get(key).map(words)).collect();
+    let fields = item.as_object().into_iter().flatten();
+    for (key, value) in fields.filter(|(key, _)| !SENTENCES.contains(&key.as_str())) {
+        match (key.as_str(), value) {
+            ("name", _) => {}
+            ("parameters", Value::Array(all)) => lines.extend(all.iter().map(parameter)),
+            (key, value) => lines.push(format!("{key}: {}", words(value))),
+        }
+    }
+    lines.push(String::new());
+    lines
 }
 
 pub fn list(options: &List) -> anyhow::Result<ExitCode> {
@@ -87,8 +112,7 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
     if options.json {
         let mut all = Map::new();
         for what in wanted {
-            let items = what.items()?.into_iter().map(|item| item.json);
-            all.insert(what.key(), items.collect());
+            all.insert(what.key(), what.items()?.into());
         }
         terminal::json(&Value::Object(all))?;
     } else {
@@ -102,32 +126,18 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn summed(name: &str, summary: &str) -> Item {
-    let json = json!({ "name": name, "summary": summary });
-    Item { name: name.into(), lines: vec![summary.into()], json }
+fn summed(name: &str, summary: &str) -> Value {
+    json!({ "name": name, "summary": summary })
 }
 
-fn dims(dims: &[u32]) -> String {
-    dims.iter().map(|dim| format!("{dim}D")).collect::<Vec<_>>().join(", ")
-}
-
-fn detector(it: &table::Entry) -> Item {
+fn detector(it: &table::Entry) -> Value {
     let table::Entry { name, summary, cost, memory, limits, threads, .. } = *it;
-    let about =
-        [summary.into(), format!("cost: {cost}; memory: {memory}"), format!("limits: {limits}")];
-    let (lines, parameters): (Vec<String>, Vec<Value>) = it
-        .parameters
-        .iter()
-        .map(|it| {
-            let table::Parameter { name, meaning, values, .. } = *it;
-            let default = it.default();
-            let json = json!({
-                "name": name, "meaning": meaning, "values": values, "default": default,
-            });
-            (format!("{name} [{}]: {meaning}", values.join(", ")), json)
-        })
-        .unzip();
-    let json = json!({
+    let parameter = |it: &table::Parameter| {
+        let table::Parameter { name, meaning, values, .. } = *it;
+        json!({ "name": name, "meaning": meaning, "values": values, "default": it.default() })
+    };
+    let parameters: Vec<Value> = it.parameters.iter().map(parameter).collect();
+    json!({
         "name": name,
         "summary": summary,
         "cost": cost,
@@ -135,64 +145,49 @@ fn detector(it: &table::Entry) -> Item {
         "limits": limits,
         "threads": threads,
         "parameters": parameters,
-    });
-    Item { name: name.into(), lines: about.into_iter().chain(lines).collect(), json }
+    })
 }
 
-fn scene(it: &Generator) -> Item {
+fn scene(it: &Generator) -> Value {
     let Generator { name, summary, dims, .. } = *it;
     let parameter = |parameter: &Parameter| {
         let Parameter { name, meaning, .. } = *parameter;
         let default = |&dim: &u32| parameter.default[dim as usize - 2].to_string();
-        let mut values: Vec<String> = dims.iter().map(default).collect();
         let named = dims.iter().map(|dim| (format!("{dim}D"), default(dim)));
         let defaults: BTreeMap<String, String> = named.collect();
-        values.dedup();
-        let json = json!({ "name": name, "meaning": meaning, "defaults": defaults });
-        (format!("{name} [{}]: {meaning}", values.join(", ")), json)
+        json!({ "name": name, "meaning": meaning, "defaults": defaults })
     };
-    let (lines, parameters): (Vec<String>, Vec<Value>) = it.params().map(parameter).unzip();
-    let json = json!({ "name": name, "summary": summary, "dims": dims, "parameters": parameters });
-    let summary = format!("{summary} ({})", self::dims(dims));
-    Item { name: name.into(), lines: std::iter::once(summary).chain(lines).collect(), json }
+    let parameters: Vec<Value> = it.params().map(parameter).collect();
+    json!({ "name": name, "summary": summary, "dims": dims, "parameters": parameters })
 }
 
-fn experiment(it: &Experiment) -> Item {
+fn experiment(it: &Experiment) -> Value {
     let Experiment { name, title, question, standard, detectors, .. } = it;
-    let mark = if *standard { "*" } else { "" };
-    let json = json!({
+    json!({
         "name": name,
         "title": title,
         "question": question,
         "standard": standard,
         "detectors": detectors,
-    });
-    Item { name: format!("{mark}{name}"), lines: vec![title.clone(), question.clone()], json }
+    })
 }
 
-fn hard_case(it: &Case) -> Item {
+fn hard_case(it: &Case) -> Value {
     let Case { name, group, dims, reason, source, .. } = *it;
-    let (contacts, known) = match it.expect {
+    let contacts = match it.expect {
         Expect::Contacts(contacts) => {
-            let of_dim = |&dim: &u32| contacts[usize::from(dim == 3)];
-            let words: Vec<String> = dims.iter().map(|dim| of_dim(dim).to_string()).collect();
-            let known = dims.iter().map(|dim| (format!("{dim}D"), of_dim(dim)));
-            (format!("contacts: {}", words.join(", ")), json!(known.collect::<BTreeMap<_, _>>()))
+            let of_dim = |dim: &u32| (format!("{dim}D"), contacts[usize::from(*dim == 3)]);
+            json!(dims.iter().map(of_dim).collect::<BTreeMap<_, _>>())
         }
-        Expect::Oracle => {
-            let words = "by the exact test of all pairs";
-            (format!("contacts: {words}"), json!(words))
-        }
-        Expect::Invalid => ("must be refused".into(), json!("must be refused")),
+        Expect::Oracle => json!("by the exact test of all pairs"),
+        Expect::Invalid => json!("must be refused"),
     };
-    let json = json!({
+    json!({
         "name": name,
         "group": group,
         "dims": dims,
-        "contacts": known,
+        "contacts": contacts,
         "reason": reason,
         "source": source,
-    });
-    let about = format!("{group}, {}; {contacts}", self::dims(dims));
-    Item { name: name.into(), lines: vec![about, reason.into(), format!("source: {source}")], json }
+    })
 }

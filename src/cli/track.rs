@@ -5,7 +5,7 @@ use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
-use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
+use crate::cli::shared::sequence::{FRAMES, Sequence, sequence};
 use crate::cli::shared::tracking;
 use crate::cli::shared::{terminal, values};
 use contactbench_detectors::oracle::SAMPLE;
@@ -73,8 +73,8 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     let trackers: Vec<TrackerSpec> =
         texts.into_iter().map(tracker::parse).collect::<Result<_, _>>()?;
     let Track { motion, frames, .. } = *options;
-    let wanted = Wanted { motion, frames };
-    sequence(&options.source, &wanted, |sequence| followed(options, &trackers, sequence))
+    let body = |sequence: Sequence<'_>| followed(options, &trackers, sequence);
+    sequence(&options.source, motion, frames, body)
 }
 
 fn followed(

@@ -10,10 +10,9 @@ use contactbench_detectors::table;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
 use contactbench_ground::limits::crowd::Crowd;
-use contactbench_ground::limits::memory::limit_for;
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::periodic;
-use contactbench_ground::periodic::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
+use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_ground::scene::{Real, array};
 use contactbench_ground::with_scene;
 use contactbench_io::{Place, RadiusSource};
@@ -34,9 +33,7 @@ pub(super) enum Contacts {
         /// Sum of the overlaps, in mean radii.
         overlap: f64,
     },
-    /// Exact number of contacts, if a list of them would take too much memory.
-    Counted(u64),
-    /// Estimated contacts per particle, if there are too many to search.
+    /// Contacts per particle, if they are too many for a search or for a list.
     TooMany(f64),
     /// The reason why no detector takes the scene.
     Refused(String),
@@ -54,7 +51,9 @@ impl Contacts {
             Ok(pairs) => pairs,
             Err(error) => {
                 return match error {
-                    Refusal::Pairs { found, .. } => Contacts::Counted(found),
+                    Refusal::Pairs { found, .. } => {
+                        Contacts::TooMany(2.0 * found as f64 / n as f64)
+                    }
                     Refusal::Crowd { each, .. } => Contacts::TooMany(each),
                     error => Contacts::Refused(error.to_string()),
                 };
@@ -71,7 +70,6 @@ impl Contacts {
     pub fn exact(&self) -> Option<u64> {
         match self {
             Contacts::Found { pairs, .. } => Some(pairs.len() as u64),
-            Contacts::Counted(count) => Some(*count),
             _ => None,
         }
     }
@@ -94,21 +92,8 @@ pub(super) fn report(
             out.warn(format!("contacts were not searched: {reason}"));
             return;
         }
-        Contacts::Counted(count) => {
-            let each = 2.0 * *count as f64 / n as f64;
-            let text = format!("{count} (exact), {} per particle", number(each));
-            out.line("contacts", text, json!({ "contacts": count, "coordination": each }));
-            out.warn(format!(
-                "overlaps, near tangent pairs and the errors of f32 were not examined: {count} \
-                 contacts of {IMAGE_PAIR_BYTES} bytes exceed the {} MiB that inspect keeps for {}; \
-                 contactbench detect --with overlap --memory-limit SIZE lists overlaps",
-                limit_for(n) >> 20,
-                plural(n, "particle")
-            ));
-            each
-        }
         Contacts::TooMany(each) => {
-            let text = format!("about {each:.0} per particle, too many for a search");
+            let text = format!("about {each:.0} per particle, too many to list");
             out.line("contacts", text, json!({ "coordination": each }));
             *each
         }
@@ -179,10 +164,8 @@ fn found(periodic: &Periodic<'_>, pairs: &[ImagePair], near: u64, overlap: f64, 
     );
     if near > 0 && 10 * near > count as u64 {
         out.warn(format!(
-            "{} within 1e-9 of just touching: codes that round differently will disagree \
-             about {}",
-            if near == 1 { "1 pair is".into() } else { format!("{near} pairs are") },
-            if near == 1 { "it" } else { "them" }
+            "{} within 1e-9 of just touching: codes that round differently will disagree",
+            plural(near as usize, "pair")
         ));
     }
 }
@@ -224,30 +207,4 @@ fn in_f32(periodic: &Periodic<'_>, contacts: &Contacts) -> Option<[usize; 2]> {
     let known: HashSet<&ImagePair> = pairs.iter().collect();
     let both = rounded.iter().filter(|pair| known.contains(pair)).count();
     Some([pairs.len() - both, rounded.len() - both])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use contactbench_ground::scene::{AnyScene, Lattice};
-
-    #[test]
-    fn contacts_that_exceed_the_limit_are_counted() {
-        let scene = AnyScene::at((0..100).map(|k| [1e-3 * f64::from(k), 0.0]), 1.0).unwrap();
-        let open = Periodic::new(scene.clone(), Lattice::OPEN).unwrap();
-        let boxed = Lattice::new(
-            [[9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0; 3]],
-            [true, true, false],
-            [0.0; 3],
-        );
-        let boxed = Periodic::new(scene, boxed.unwrap()).unwrap();
-        for periodic in [open, boxed] {
-            for limit in [1 << 20, 14 * 4950] {
-                let found = Contacts::new(&periodic, limit);
-                assert_eq!(found.exact(), Some(4950));
-                assert_eq!(matches!(found, Contacts::Counted(_)), limit < 1 << 20);
-            }
-            assert!(matches!(Contacts::new(&periodic, 4950), Contacts::TooMany(_)));
-        }
-    }
 }

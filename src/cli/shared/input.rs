@@ -9,7 +9,6 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
 use crate::cli::shared::scene::WithIds;
-use contactbench_ground::scene::AnyScene;
 use contactbench_io as io;
 use contactbench_io::Given;
 use contactbench_io::{Boundaries, FileOption, Frame, Notice, Place};
@@ -96,47 +95,25 @@ impl Input {
         *self != Input::default()
     }
 
-    /// Returns the scene of a file, or of a generator such as `packed:dim=3,n=1000`. A file has
-    /// precedence. A periodic box is an error.
-    pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
-        let given = self.make(text, false, |particles| {
-            let source = particles.source.clone();
-            Ok(Given { source, ..particles.scene(text, self.radius)?.into() })
-        })?;
-        given.open(text)
-    }
-
-    /// Like [`Input::scene`], with a periodic box if the scene has one.
+    /// Returns the scene of a file, or of a generator such as `packed:dim=3,n=1000`, with a periodic
+    /// box if it has one. A file has precedence.
     pub fn given(&self, text: &str) -> anyhow::Result<Given> {
-        self.make(text, false, |particles| particles.given(text, self.radius))
+        Ok(self.with_ids(text, false)?.0)
     }
 
     /// Like [`Input::given`], with the ids of the particles if wanted and present.
-    pub fn with_ids(&self, text: &str, wanted: bool) -> anyhow::Result<WithIds> {
-        let mut ids = None;
-        let given = self.make(text, wanted, |particles| {
-            ids = particles.ids_copied()?;
-            particles.given(text, self.radius)
-        })?;
-        Ok((given, ids))
-    }
-
-    fn make(
-        &self,
-        text: &str,
-        ids: bool,
-        of: impl FnOnce(io::Particles) -> anyhow::Result<Given>,
-    ) -> anyhow::Result<Given> {
+    pub fn with_ids(&self, text: &str, ids: bool) -> anyhow::Result<WithIds> {
         match self.origin(text)? {
             Origin::Made(spec) => {
                 let given = spec.given()?;
                 tell(text, &given.notices, Place::Spec);
-                Ok(given)
+                Ok((given, None))
             }
             Origin::File(path, options) => {
                 let (particles, _) = load(&path, self, io::Options { ids, ..*options })?;
                 tell(text, &particles.notices, Place::Argument);
-                of(particles)
+                let ids = particles.ids_copied()?;
+                Ok((particles.given(text, self.radius)?, ids))
             }
         }
     }

@@ -32,6 +32,11 @@ impl Output {
         self.values(values);
     }
 
+    /// Adds a line of text without a label.
+    pub fn text(&mut self, text: impl AsRef<str>) {
+        self.line("", text, Value::Null);
+    }
+
     /// Adds an empty line to the text.
     pub fn gap(&mut self) {
         self.text.push('\n');

@@ -26,29 +26,25 @@ pub struct Sequence<'a> {
 /// Default number of frames of a motion.
 pub const FRAMES: u64 = 100;
 
-pub struct Wanted {
-    /// Motion to use; by default a drift, if the scene has only one frame.
-    pub motion: Option<Motion>,
-    /// Maximum number of frames, from the command line.
-    pub frames: Option<u64>,
-}
-
 const DRIFT: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
 
-/// Passes the frames to `body`. A file is read once.
+/// Passes the frames to `body`, at most this many of them. A scene of one frame is moved, by default
+/// by a drift. A file is read once.
 pub fn sequence<T>(
     source: &Source,
-    wanted: &Wanted,
+    motion: Option<Motion>,
+    frames: Option<u64>,
     body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
-    let Wanted { motion, frames, .. } = *wanted;
     ensure!(frames != Some(0), "--frames 0: give at least 1");
     let Source { scene, input } = source;
     // If a motion is given or one frame chosen, the motion moves that frame.
     let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
     if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && io::exists(path)) {
         let options = io::Options { ids: true, ..input.options() };
-        return input::frames(path, options, |frames| of_file(source, path, wanted, frames, body));
+        return input::frames(path, options, |of_file| {
+            recorded(source, path, frames, of_file, body)
+        });
     }
     let (name, given) = source.given()?;
     moved(&name, &given, motion.unwrap_or(DRIFT), frames, body)
@@ -71,10 +67,10 @@ fn moved<T>(
     })
 }
 
-fn of_file<T>(
+fn recorded<T>(
     source: &Source,
     path: &Path,
-    wanted: &Wanted,
+    most: Option<u64>,
     mut frames: io::Frames<'_>,
     body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
@@ -86,21 +82,17 @@ fn of_file<T>(
     let Some(second) = frames.next() else {
         input::tell(&text, &first.0.notices, Place::Argument);
         let given = first.0.given(&text, radius)?;
-        return moved(&name, &given, DRIFT, wanted.frames, body);
+        return moved(&name, &given, DRIFT, most, body);
     };
     input::tell(&text, &first.0.notices, Place::Argument);
     let particles = first.0.len();
     let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
-    let made = body(Sequence {
+    body(Sequence {
         name: &name,
         motion: "as recorded",
         particles,
-        count: wanted.frames.unwrap_or(u64::MAX),
-        next: &mut |_| {
-            let given = recorded.next_frame()?;
-            Ok(given)
-        },
-    })?;
-    Ok(made)
+        count: most.unwrap_or(u64::MAX),
+        next: &mut |_| recorded.next_frame(),
+    })
 }

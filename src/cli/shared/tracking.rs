@@ -40,18 +40,15 @@ pub fn motion(moved: &Moved, check: Check) -> String {
     if displacements.at_rest > 0 {
         said += &format!("; {} stay in place", percent(moved.share_at_rest()));
     }
-    let whose = match check {
+    let of = match check {
         Check::None => return said + ".",
-        Check::All => "A frame has".to_string(),
-        Check::Sample(count) => format!("The {count} sampled particles have"),
+        Check::All => String::new(),
+        Check::Sample(count) => format!(" of {count} sampled particles"),
     };
-    said += &format!(
-        ". {whose} {} contacts; {} are new and {} end with it.",
-        number(*contacts as f64 / *frames as f64),
-        number(*born as f64 / moved.steps() as f64),
-        number(*ended as f64 / moved.steps() as f64),
-    );
-    said
+    let each = |count: &u64, frames: u64| number(*count as f64 / frames as f64);
+    let (steps, in_frame) = (moved.steps(), each(contacts, *frames));
+    let (born, ended) = (each(born, steps), each(ended, steps));
+    format!("{said}. Contacts{of} in a frame: {in_frame}; new: {born}; ended: {ended}.")
 }
 
 /// States what was checked, if that was not everything. A sample of K particles shows an error of a
@@ -97,10 +94,9 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     }
     let mut blocks = vec![Block::paragraph(said)];
     blocks.extend(checked(followed).map(Block::paragraph));
-    let (is_checked, sampled) = match followed.check {
-        Check::All => (true, ""),
-        Check::Sample(_) => (true, " of sampled particles"),
-        Check::None => (false, ""),
+    let sampled = match followed.check {
+        Check::Sample(_) => " of sampled particles",
+        _ => "",
     };
     if let Some(detector) = common(followed) {
         blocks.push(Block::paragraph(format!(
@@ -113,22 +109,10 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
             "ns: mean time per particle and frame; worst: slowest frame. built: frames in which \
              the list was built. listed: pairs in the list for each contact. missed: contacts\
              {sampled} not reported, summed over the frames; since: first such frame; late: most \
-             frames until such a contact was reported; depth: its overlap then, in mean radii (r). \
-             Each tracker ran once, so the times are rough.",
+             frames until such a contact was reported; depth: its overlap then, in mean radii (r); \
+             never: contacts never reported; dangerous: builds whose rule was broken before. Each tracker ran once, so the times are rough.",
         )),
     ]);
-    for it in followed.trackers.iter().filter(|it| is_checked && it.builds.dangerous > 0) {
-        let (dangerous, built) = (it.builds.dangerous, it.builds.built);
-        blocks.push(Block::paragraph(format!(
-            "{}: dangerous builds: {dangerous} of {built}; builds after missed contacts{sampled}: \
-             {} of these {dangerous}, {} of all {built}.",
-            it.spec, it.builds.rightly, it.builds.missing,
-        )));
-    }
-    for it in followed.trackers.iter().filter(|it| it.late.never > 0) {
-        let never = plural(it.late.never as usize, "contact");
-        blocks.push(Block::paragraph(format!("{}: {never} never reported.", it.spec)));
-    }
     for it in followed.trackers.iter().filter(|it| it.is_wrong()) {
         blocks.push(Block::Warning(
             format!(
@@ -151,6 +135,7 @@ pub fn table(followed: &Followed) -> Table {
     let particles = followed.moved.particles;
     let common = common(followed).is_some();
     let late = |it: &Tracked| it.late.latest > 0;
+    let any = |such: &dyn Fn(&Tracked) -> bool| followed.trackers.iter().any(such);
     Table::of("", &followed.trackers)
         .left("tracker", |it| label(&it.spec, common))
         .right("ns", |it| mean(it, particles))
@@ -164,6 +149,10 @@ pub fn table(followed: &Followed) -> Table {
         .right("since", |it| it.late.first.filter(|_| it.late.missed > 0).map(|it| it.to_string()))
         .right("late", |it| late(it).then(|| it.late.latest.to_string()))
         .right("depth", |it| late(it).then(|| radii(it.late.deepest)))
+        .when(any(&|it| it.late.never > 0), |table| table.right("never", |it| it.late.never))
+        .when(any(&|it| it.builds.dangerous > 0), |table| {
+            table.right("dangerous", |it| it.builds.dangerous)
+        })
         .into()
 }
 

@@ -27,17 +27,14 @@ pub(super) fn print(options: &Verify, all: &All) -> std::io::Result<()> {
     conditions(&mut out, all);
     out.values(json!({ "same": all.is_same(), "errors": all.errors() }));
     match one {
-        Some((row, one)) => {
-            out.values(row_json(row));
-            frame(&mut out, row, one, all);
-        }
+        Some((row, one)) => frame(&mut out, row, one, all),
         None => frames(&mut out, all),
     }
     let hint = all.hint.as_ref().map(|(_, hint)| hint);
     if let Some((which, hint)) = &all.hint {
         let from = if all.several { format!(", from {which}") } else { String::new() };
         out.gap();
-        out.line("", format!("hint{from}: {}", hint.sentence), Value::Null);
+        out.text(format!("hint{from}: {}", hint.sentence));
     }
     if let Some((_, one)) = one {
         let flags = hint.map(|hint| &hint.flags).filter(|flags| !flags.is_empty());
@@ -98,23 +95,22 @@ fn files(out: &mut Output, options: &Verify, all: &All, one: Option<&Verified>) 
     });
     out.values(json!({ "compared": taken.map(|(name, _)| name) }));
     if let Some((_, words)) = taken {
-        out.line("", format!("compared: {words}"), Value::Null);
+        out.text(format!("compared: {words}"));
     }
 }
 
 /// Prints what was ignored, left out or allowed.
 fn conditions(out: &mut Output, all: &All) {
-    let [contacts, pairs] = all.left_out_pairs;
+    let ([contacts, pairs], matched) = (all.left_out_pairs, &all.matched);
     let within = all.rows.iter().map(|row| row.within_skin).sum();
     let others: Vec<&str> = all.others.iter().map(String::as_str).collect();
-    let left_out: Vec<String> = all.matched.left_out.iter().take(6).map(u64::to_string).collect();
-    let more = if all.matched.left_out.len() > left_out.len() { " …" } else { "" };
-    let without = plural(all.matched.left_out.len(), "frame");
-    let empty = counted(all.matched.without_rows, "frame");
-    for (holds, words) in [
-        (!others.is_empty(), format!("ignored: {}", pairs::columns_of(&others))),
+    let first: Vec<String> = matched.left_out.iter().take(6).map(u64::to_string).collect();
+    let more = if matched.left_out.len() > first.len() { " …" } else { "" };
+    let without = plural(matched.left_out.len(), "frame");
+    for (count, words) in [
+        (others.len() as u64, format!("ignored: {}", pairs::columns_of(&others))),
         (
-            contacts + pairs > 0,
+            contacts + pairs,
             format!(
                 "left out: {}, {} of the list",
                 counted(contacts, "contact"),
@@ -122,28 +118,30 @@ fn conditions(out: &mut Output, all: &All) {
             ),
         ),
         (
-            !left_out.is_empty(),
-            format!("left out: {without} without a list: {}{more}", left_out.join(" ")),
+            first.len() as u64,
+            format!("left out: {without} without a list: {}{more}", first.join(" ")),
         ),
         (
-            all.matched.without_rows > 0,
-            format!("assumed to have no contacts, because the list has no rows: {empty}"),
+            matched.without_rows,
+            format!(
+                "assumed to have no contacts, because the list has no rows: {}",
+                counted(matched.without_rows, "frame")
+            ),
         ),
-        (within > 0, format!("allowed within the skin: {}", counted(within, "pair"))),
+        (within, format!("allowed within the skin: {}", counted(within, "pair"))),
     ] {
-        if holds {
-            out.line("", words, Value::Null);
+        if count > 0 {
+            out.text(words);
         }
     }
-    out.values(json!({
-        "left_out_pairs": all.left_out_pairs,
-    }));
+    out.values(json!({ "left_out_pairs": all.left_out_pairs }));
 }
 
 /// Prints the number of wrong pairs of each kind, and the largest error.
 fn frame(out: &mut Output, row: &Row, one: &Verified, all: &All) {
+    out.values(row_json(row));
     if all.is_same() {
-        return out.line("", "the same: no missed, spurious or repeated pairs", Value::Null);
+        return out.text("the same: no missed, spurious or repeated pairs");
     }
     let (errors, found) = (&row.errors, &one.found);
     let worst = |pairs: u64, what: &str, size: f64| match pairs {
@@ -171,7 +169,7 @@ fn frame(out: &mut Output, row: &Row, one: &Verified, all: &All) {
     out.table(&table.into());
     if found.left_out != [0; 2] && all.hint.is_none() {
         out.gap();
-        out.line("", "run without --without for a hint", Value::Null);
+        out.text("run without --without for a hint");
     }
 }
 
@@ -197,45 +195,30 @@ fn frames(out: &mut Output, all: &All) {
         out.table(&table(&shown));
     }
     if shown.len() < of && !shown.is_empty() {
-        let which = match wrong == shown.len() {
-            true => "all that differ".to_string(),
-            false => format!("the first and the worst of {wrong} that differ"),
-        };
-        let text = format!("({} of {of} frames: {which}; --json has all)", shown.len());
-        out.line("", text, Value::Null);
+        let shown = shown.len();
+        out.text(format!("({shown} of {of} frames, of {wrong} that differ; --json has all)"));
     }
     out.gap();
-    let count = plural(of, "frame");
     let Some([first, worst]) = ends else {
-        let same = format!("the same in {count}: no missed, spurious or repeated pairs");
-        return out.line("", same, Value::Null);
+        let count = plural(of, "frame");
+        return out.text(format!("the same in {count}: no missed, spurious or repeated pairs"));
     };
-    let name =
-        |row: &Row| row.step.map_or(format!("frame {}", row.frame), |it| format!("step {it}"));
-    let which = match first.frame == worst.frame {
-        true => "the first and worst".to_string(),
-        false => format!("the first {}; the worst", name(first)),
+    let name = |row: &Row| match row.step {
+        Some(step) => format!("step {step}"),
+        None => format!("frame {}", row.frame),
     };
-    let (missed, spurious) = (worst.errors.missed, worst.errors.spurious);
-    let text = format!(
-        "{wrong} of {count} differ, {which} {}: {missed} missed, {spurious} spurious.",
-        name(worst)
-    );
-    out.line("", text, Value::Null);
-    let errors = all.errors();
-    if errors.missed == 0 {
-        return;
+    let (first, worst, errors) = (name(first), name(worst), all.errors());
+    out.text(format!("{wrong} of {of} frames differ; the first: {first}; the worst: {worst}"));
+    if errors.missed > 0 {
+        let [most, late] = [errors.deepest_miss, *deepest].map(mean_radii);
+        let (contacts, frames) = (counted(errors.missed, "contact"), counted(*frames, "frame"));
+        out.text(format!("missed in all frames: {contacts} in {frames}; deepest overlap {most}"));
+        let latest = match latest {
+            0 => "none".into(),
+            _ => format!("at most {} late, with an overlap of {late}", counted(*latest, "frame")),
+        };
+        out.text(format!("listed later: {latest}; {} never listed", counted(*never, "contact")));
     }
-    let (contacts, frames) = (counted(errors.missed, "contact"), counted(*frames, "frame"));
-    let overlap = mean_radii(errors.deepest_miss);
-    let text = format!("missed in all frames: {contacts} in {frames}; deepest overlap {overlap}.");
-    out.line("", text, Value::Null);
-    let (late, overlap) = (counted(*latest, "frame"), mean_radii(*deepest));
-    let late = match latest {
-        0 => "None was listed in a later frame".into(),
-        _ => format!("Latest: {late} late, with an overlap of {overlap}"),
-    };
-    out.line("", format!("{late}; {} never listed.", counted(*never, "contact")), Value::Null);
 }
 
 /// Adds the worst of `count` pairs of a kind to the values and, if `shown`, to the text.
@@ -261,25 +244,24 @@ fn worst(
         return;
     }
     out.gap();
-    let head =
-        format!("{kind}, the worst first (particles numbered from 0; {measure} in mean radii)");
-    out.line("", head, Value::Null);
+    out.text(format!(
+        "{kind}, the worst first (particles numbered from 0; {measure} in mean radii)"
+    ));
     let joined = |numbers: &[i32]| numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(",");
     for (ImagePair { i, j, image }, depth) in kept {
         let across = match image {
             [0, 0, 0] => String::new(),
             _ => format!("  image {}", joined(&image[..dim])),
         };
-        let text = format!("  {i},{j}{across}  {measure} {}", number(depth.abs()));
-        out.line("", text, Value::Null);
+        out.text(format!("  {i},{j}{across}  {measure} {}", number(depth.abs())));
         for k in [*i, *j] {
             let (centre, radius) = particle(one.scene(), k);
             let centre: Vec<String> = centre[..dim].iter().map(|x| format!("{x:?}")).collect();
-            out.line("", format!("    {k}: {} r {radius:?}", centre.join(" ")), Value::Null);
+            out.text(format!("    {k}: {} r {radius:?}", centre.join(" ")));
         }
     }
     if let Some(more @ 1..) = count.checked_sub(PAIRS as u64) {
-        out.line("", format!("  and {more} more"), Value::Null);
+        out.text(format!("  and {more} more"));
     }
 }
 

@@ -29,9 +29,11 @@ fn algorithm() -> impl TypedValueParser<Value = Algorithm> {
 /// Writes the page, and prints a summary on standard error.
 pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
     let Trace { detector, source, out } = options;
-    let (name, scene) = match source.get()? {
-        Some((name, scene)) => (name, Some(scene)),
-        None => (example::example(*detector).name.to_string(), None),
+    let (name, scene) = match source.scene.is_some() || source.input.is_said() {
+        true => {
+            source.given().and_then(|(name, given)| Ok((name.clone(), Some(given.open(&name)?))))?
+        }
+        false => (example::example(*detector).name.to_string(), None),
     };
     let trace = run(*detector, scene.as_ref())?;
     terminal::save(out, page::html(&trace, &name).as_bytes(), "-o")?;

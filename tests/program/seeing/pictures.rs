@@ -16,11 +16,7 @@ fn space(text: &str) -> Periodic<'static> {
 }
 
 fn found(scene: &Periodic<'_>) -> Pairs {
-    Pairs::from_scene(scene, 1 << 30).unwrap()
-}
-
-fn against(scene: &Periodic<'_>, reported: &[[u32; 2]]) -> Pairs {
-    found(scene).against(without_shift(reported).collect())
+    Pairs { contacts: contacts(scene, 1 << 30).unwrap(), ..Pairs::default() }
 }
 
 #[test]
@@ -33,8 +29,11 @@ fn a_drawing_shows_scene_contacts_and_mistakes() {
         assert!(plain.contains(words), "{words}: {plain}");
     }
     assert!(!plain.contains("missed"), "{plain}");
-    let wrong = draw::svg(&scene, &against(&scene, &[[1, 2], [4, 0], [3, 3]]), &titled("t"));
-    let wrong = wrong.unwrap();
+    let pairs = |pairs: &[[u32; 2]]| without_shift(pairs).collect();
+    let (contacts, missed, spurious) = (&[[1, 2]], &[[0, 1]], &[[4, 0], [3, 3]]);
+    let [contacts, missed, spurious] = [&contacts[..], missed, spurious].map(pairs);
+    let wrong = Pairs { contacts, missed, spurious, ..Pairs::default() };
+    let wrong = draw::svg(&scene, &wrong, &titled("t")).unwrap();
     for words in ["contacts: 1<", "not reported: 1<", "apart: 2<"] {
         assert!(wrong.contains(words), "{words}: {wrong}");
     }
@@ -47,9 +46,9 @@ fn the_worst_mistake_is_seen() {
         let scene = space(spec);
         let all = contacts(&scene, 1 << 30).unwrap();
         for k in [0, all.len() / 2, all.len() - 1] {
-            let mut reported = all.clone();
-            let missed = reported.remove(k);
-            let pairs = found(&scene).against(reported);
+            let mut contacts = all.clone();
+            let missed = contacts.remove(k);
+            let pairs = Pairs { contacts, missed: vec![missed], ..Pairs::default() };
             let svg = draw::svg(&scene, &pairs, &titled("t")).unwrap();
             assert!(svg.contains("reported: 1<"), "{spec} {k}");
             let around = format!("around {} and {}", missed.i, missed.j);
@@ -106,7 +105,8 @@ fn every_scene_can_be_drawn() {
     }
     let many = draw::svg(&space("loose:n=200001"), &Pairs::default(), &Look::default());
     assert!(many.unwrap_err().to_string().contains("200001 particles"));
-    let beyond = against(&space("packed:n=9"), &[[0, 9]]);
+    let spurious = without_shift(&[[0, 9]]).collect();
+    let beyond = Pairs { spurious, ..Pairs::default() };
     let beyond = draw::svg(&space("packed:n=9"), &beyond, &Look::default());
     assert!(beyond.unwrap_err().to_string().contains("9 particles"));
 }

@@ -38,7 +38,7 @@ impl Given {
             None => Ok(self.scene),
             Some(lattice) => bail!(
                 "{name}: the scene repeats along {}, and here boundaries are open; take it without \
-                 its box",
+                 its box (of a file: --open)",
                 along(lattice.periodic())
             ),
         }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{About, Record, stem};
+use super::{About, Record};
 use crate::page::measured;
 use crate::table::{Cell as Entry, Table};
 use contactbench_record::cells::{Cell, ids, label};
@@ -70,10 +70,9 @@ fn versions(record: &Record<'_>) -> BTreeMap<CellId, String> {
 
 /// Returns the table of these measurements. `root` is the way from its page to the front page.
 pub fn table(lines: &[&Line<'_>], root: &str) -> Table {
-    let page = |line: &Line<'_>| format!("{root}detectors/{}.html", stem(line.detector()));
     let rows = Table::of("", lines.iter().copied())
         .left("scene", |it| &*it.scene)
-        .left("detector", |it| Entry::Link(it.cell.id.subject(), page(it)))
+        .left("detector", |it| it.cell.id.subject())
         .left("kind", |it| if it.ours { "ours" } else { "library" });
     measured(rows, |it| it.cell)
         .left("machine", |it| &*it.record.cpu)

@@ -34,6 +34,10 @@ pub(super) struct Compared {
     pub errors: Errors,
     pub missed: Worst,
     pub spurious: Worst,
+    /// Repeated pairs, at most `kept`.
+    pub repeated: Vec<ImagePair>,
+    /// Particles listed with themselves, at most `kept`.
+    pub selves: Vec<ImagePair>,
     /// Number of listed pairs that do not touch but are within the skin.
     pub within_skin: u64,
 }
@@ -81,9 +85,15 @@ impl Against<'_> {
     fn note(&self, found: &mut Compared, kind: Difference, pair: ImagePair) {
         let own = pair.i == pair.j && pair.image == [0; 3];
         match kind {
-            Difference::Repeated => found.errors.duplicate += 1,
+            Difference::Repeated => {
+                found.errors.duplicate += 1;
+                found.repeated.extend((found.repeated.len() < self.kept).then_some(pair));
+            }
             Difference::Missed => found.missed.add(pair, depth(self.space, pair), self.kept),
-            Difference::Added if own => found.errors.self_pairs += 1,
+            Difference::Added if own => {
+                found.errors.self_pairs += 1;
+                found.selves.extend((found.selves.len() < self.kept).then_some(pair));
+            }
             Difference::Added if self.skin > 0.0 && gap(self.space, pair) <= self.skin => {
                 found.within_skin += 1;
             }

@@ -72,6 +72,9 @@ pub struct Verification {
     /// Listed pairs that do not touch, with their depth in mean radii (negative), the widest gap
     /// first.
     pub spurious: Vec<(ImagePair, f64)>,
+    /// Repeated pairs, and particles listed with themselves, at most `kept` of each.
+    pub repeated: Vec<ImagePair>,
+    pub selves: Vec<ImagePair>,
     /// Pairs listed in one direction only, although both are expected.
     pub one_sided: Vec<NamedPair>,
     /// Widest gap of a spurious pair, as a length.
@@ -117,7 +120,8 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
         false => ContactList::default(),
     };
     let against = Against { space, truth: &truth, near: &near, skin, kept };
-    let Compared { taken, errors, missed, spurious, within_skin } = against.hold(&listing);
+    let Compared { taken, errors, missed, spurious, repeated, selves, within_skin } =
+        against.hold(&listing);
     let Listing { unknown, one_sided, .. } = listing;
     Ok(Verification {
         truth,
@@ -126,6 +130,8 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
         missed: missed.pairs,
         widest_gap: spurious.gap,
         spurious: spurious.pairs,
+        repeated,
+        selves,
         one_sided,
         within_skin,
         taken,

@@ -2,14 +2,13 @@
 //! of a list of pairs.
 //!
 //! ```
-//! use contactbench_io::pairs::List;
+//! use contactbench_ground::periodic::ImagePair;
 //! use contactbench_scenes::spec::Spec;
 //! use contactbench_scenes::touching::in_any_box;
 //! use contactbench_views::draw::{self, Look, Pairs};
 //!
 //! let scene = in_any_box(&Spec::parse("packed:n=50")?.given()?)?;
-//! let list = List { pairs: vec![[0, 1]], ..List::default() }; // by some detector, in any order
-//! let pairs = Pairs::compare(&scene, &list, 1 << 30)?;
+//! let pairs = Pairs { missed: vec![ImagePair::new(0, 1, [0; 3])], ..Pairs::default() };
 //! let picture = draw::svg(&scene, &pairs, &Look { title: "example".into(), ..Look::default() })?;
 //! assert!(picture.contains("missed"));
 //! # Ok::<(), anyhow::Error>(())

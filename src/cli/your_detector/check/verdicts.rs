@@ -1,8 +1,11 @@
 //! Results of a check as cases for continuous integration and as JSON.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 
 use super::failing::{regression_file, rounding, worst};
+use super::group::Group;
 use super::{Check, Checked};
 use crate::cli::shared::ci::{Case, Outcome};
 use contactbench_run::check::{Failure, Verdict, Wrong};
@@ -96,18 +99,10 @@ pub(super) fn as_json(
             "failures": failures,
         })
     };
-    // Returns each name once, in the order in which detectors were checked.
-    fn union<'a>(of: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-        of.fold(Vec::new(), |mut names, name| {
-            if !names.contains(&name) {
-                names.push(name);
-            }
-            names
-        })
-    }
-    let detectors = union(reports.iter().flat_map(|checked| checked.group.names()));
-    let arithmetics = reports.iter().flat_map(|checked| &checked.group.arithmetics);
-    let arithmetics = union(arithmetics.map(|arithmetic| arithmetic.name()));
+    let groups = || reports.iter().map(|checked| checked.group);
+    let detectors: BTreeSet<&str> = groups().flat_map(Group::names).collect();
+    let arithmetics = groups().flat_map(|group| &group.arithmetics);
+    let arithmetics: BTreeSet<&str> = arithmetics.map(|known| known.name()).collect();
     let protocol: Vec<String> = broken.iter().map(Wrong::to_string).collect();
     let checks: Vec<Value> = reports.iter().map(of).collect();
     json!({
