@@ -79,7 +79,7 @@ pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Cont
     let file = File::open(path).with_context(|| format!("cannot read the pairs {name}"))?;
     let (input, unpacking) = (&mut BufReader::new(file), &Unpacking::default());
     let mut source = Source { input, name: &name, unpacking };
-    let header = npy::header(&mut source)?;
+    let mut header = npy::header(&mut source)?;
     let fits = header.kind == kind && !header.big && !header.fortran;
     ensure!(
         fits && header.columns == Some(columns),

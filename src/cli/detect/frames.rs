@@ -36,7 +36,7 @@ pub(super) fn detect(
     let input = &options.source.input;
     let read = io::Options { ids: !options.places || options.needs_ids(), ..input.options() };
     let done = input::frames(path, read, |frames| {
-        framed(options.out.as_deref(), true, None, |out| all(options, spec, path, frames, out))
+        framed(options.out.as_deref(), true, |out| all(options, spec, path, frames, out))
     })?;
     let Done { frames, pairs, particles: [least, most], dim, time, by_id } = done;
     let n = if least == most { most.to_string() } else { format!("{least} to {most}") };

@@ -28,13 +28,7 @@ pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
 
 impl Framed for Indexed<'_, File> {
     fn begin(&mut self) -> anyhow::Result<Option<String>> {
-        let file = match &mut self.index {
-            Some(file) => file,
-            None => self.index.insert(File::read(&mut self.source)?),
-        };
-        let k = self.next;
-        self.next += 1;
-        Ok((k < file.frames).then(|| format!("{}: frame {k}", self.source.name)))
+        self.next_of(File::read, |file| file.frames)
     }
 
     fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>> {

@@ -1,7 +1,7 @@
 //! The table of formats, and the choice of a format for a file.
 
 mod csv;
-mod dump;
+pub mod dump;
 mod gsd;
 mod lammps;
 pub mod npy;
@@ -30,6 +30,21 @@ struct Indexed<'a, T> {
 impl<'a, T> Indexed<'a, T> {
     fn new(source: Source<'a>, options: Options) -> Indexed<'a, T> {
         Indexed { source, options, index: None, next: 0 }
+    }
+
+    /// Moves to the next frame and returns its place, or `None` at the end.
+    fn next_of(
+        &mut self,
+        read: impl FnOnce(&mut Source<'a>) -> anyhow::Result<T>,
+        count: impl FnOnce(&T) -> u64,
+    ) -> anyhow::Result<Option<String>> {
+        let Indexed { source, index, next, .. } = self;
+        let index = match index {
+            Some(index) => index,
+            None => index.insert(read(source)?),
+        };
+        *next += 1;
+        Ok((*next <= count(index)).then(|| format!("{}: frame {}", source.name, *next - 1)))
     }
 }
 

@@ -36,9 +36,9 @@ pub(super) fn read(mut source: Source<'_>, chosen: &[&str]) -> anyhow::Result<Li
 impl Arrays {
     fn member(&mut self, mut source: Source<'_>, name: &str) -> anyhow::Result<()> {
         let Some(label) = name.strip_suffix(".npy").map(str::to_string) else { return Ok(()) };
-        let Ok(header) = npy::header(&mut source) else { return Ok(()) };
+        let Ok(mut header) = npy::header(&mut source) else { return Ok(()) };
         match header.columns {
-            None => match columns(&mut source, &header, 1)?.and_then(|mut it| it.pop()) {
+            None => match columns(&mut source, &mut header, 1)?.and_then(|mut it| it.pop()) {
                 Some(column) => {
                     self.names.push(label);
                     self.columns.push(column);
@@ -46,7 +46,7 @@ impl Arrays {
                 None => self.others.push(label),
             },
             Some(count @ 2..=3) if is_image(&label) => {
-                let of = columns(&mut source, &header, count)?;
+                let of = columns(&mut source, &mut header, count)?;
                 let place = || format!("{}: an image is not a whole number", source.name);
                 self.columns.extend(of.with_context(place)?);
                 self.names.extend(["sx", "sy", "sz"].into_iter().take(count).map(String::from));
@@ -130,19 +130,17 @@ impl Arrays {
     }
 }
 
-/// Reads `count` columns of an array in C or Fortran order; `None` if a number is not whole.
+/// Reads `count` columns of an array; `None` if a number is not whole.
 fn columns(
     source: &mut Source<'_>,
-    header: &Header,
+    header: &mut Header,
     count: usize,
 ) -> anyhow::Result<Option<Vec<Vec<i64>>>> {
     let mut columns = vec![Vec::new(); count];
     let mut are_whole = true;
-    let (rows, width) = (header.rows, count as u64);
-    header.values(source, rows.saturating_mul(width), |k, value| {
-        let column = if header.fortran { k / rows } else { k % width };
+    header.values(source, header.frame_size(), |k, value| {
+        let column = &mut columns[k as usize % count];
         are_whole &= value.fract() == 0.0 && value.abs() < 9e15;
-        let column = &mut columns[column as usize];
         room(column)?;
         column.push(value as i64);
         Ok(())

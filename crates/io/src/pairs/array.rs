@@ -16,7 +16,7 @@ use crate::formats::npy::{self, Header};
 use crate::frames::Choice;
 use crate::raw::lines::Source;
 use crate::raw::room::room;
-use crate::types::Notice;
+use crate::types::{Notice, assumed};
 
 const ROWS: u64 = 4096;
 
@@ -34,57 +34,26 @@ pub(super) struct Array<'a> {
 #[derive(Clone, Copy, Default)]
 struct Shape {
     pairs: u64,
-    columns: usize,
+    columns: u64,
     framed: bool,
-    by_column: bool,
+    /// Whether the array has one column for each pair.
+    turned: bool,
 }
 
 impl Shape {
-    /// Returns how the array stores pairs, with a notice if it is ambiguous; `None` if it holds no
-    /// pairs.
-    fn of(header: &Header, all: bool) -> Option<(Shape, Option<Notice>)> {
-        let fits = |columns: u64| matches!(columns, 2 | 4 | 5) || all && matches!(columns, 3 | 6);
+    /// Returns how the array stores pairs; `None` if it holds none.
+    fn of(header: &Header, all: bool) -> Option<Shape> {
         let framed = |columns: u64| all && matches!(columns, 3 | 5 | 6);
-        let shape = |pairs, columns: u64, by_column| Shape {
-            pairs,
-            columns: columns as usize,
-            framed: framed(columns),
-            by_column,
-        };
-        let rows = header.rows;
-        let columns = match header.columns {
+        let fits = |columns: u64| matches!(columns, 2 | 4 | 5) || framed(columns);
+        let (rows, columns) = (header.rows, header.columns.unwrap_or(0) as u64);
+        let (pairs, columns, turned) = match columns {
             // An empty array has no columns to check.
-            None | Some(0) if rows == 0 || header.columns.is_some() => {
-                return Some((Shape { columns: 2, ..Shape::default() }, None));
-            }
-            None => return None,
-            Some(columns) => columns as u64,
+            0 if rows == 0 || header.columns.is_some() => (0, 2, false),
+            _ if fits(columns) => (rows, columns, false),
+            1.. if fits(rows) => (columns, rows, true),
+            _ => return None,
         };
-        if fits(columns) {
-            let either = rows == 2 && !header.fortran;
-            let notice = either.then(|| {
-                Notice::Assumed(format!(
-                    "the shape {} is taken as 2 pairs, one a row; write the transpose, \
-                     numpy.array([i, j]).T, if the rows are i and j",
-                    npy::shape(&header.sizes)
-                ))
-            });
-            return Some((shape(rows, columns, header.fortran), notice));
-        }
-        fits(rows).then(|| (shape(columns, rows, !header.fortran), None))
-    }
-
-    fn first(&self) -> usize {
-        usize::from(!self.framed)
-    }
-
-    fn checked(&self, name: &str, k: u64, column: usize, value: f64) -> anyhow::Result<i64> {
-        ensure!(
-            value.fract() == 0.0 && value.abs() < 9e15,
-            "{name}: pair {k}: {value} is not the number of {}",
-            ["a frame", "a particle", "a particle", "an image"][column.min(3)]
-        );
-        Ok(value as i64)
+        Some(Shape { pairs, columns, framed: framed(columns), turned })
     }
 }
 
@@ -98,23 +67,6 @@ impl<'a> Array<'a> {
         Array { header: Some(header), ..Array::new(source) }
     }
 
-    fn by_column(&mut self) -> anyhow::Result<()> {
-        let Array { source, header: Some(header), rows, shape, .. } = self else { return Ok(()) };
-        let (name, first) = (source.name, shape.first());
-        for column in first..first + shape.columns {
-            header.values(source, shape.pairs, |k, value| {
-                let value = shape.checked(name, k, column, value)?;
-                if column == first {
-                    room(rows)?;
-                    rows.push([0; 6]);
-                }
-                rows[k as usize][column] = value;
-                Ok(())
-            })?;
-        }
-        Ok(())
-    }
-
     fn more(&mut self) -> anyhow::Result<()> {
         let Array { source, header: Some(header), rows, at, before, shape, .. } = self else {
             return Ok(());
@@ -122,46 +74,59 @@ impl<'a> Array<'a> {
         *before += rows.len() as u64;
         rows.clear();
         *at = 0;
-        let (name, columns, first) = (source.name, shape.columns, shape.first());
-        let more = (shape.pairs - *before).min(ROWS);
-        let mut row = [0; 6];
-        header.values(source, more * columns as u64, |k, value| {
-            let (pair, column) = (*before + k / columns as u64, (k % columns as u64) as usize);
-            row[column + first] = shape.checked(name, pair, column + first, value)?;
-            if column + 1 == columns {
+        let Shape { pairs, columns, framed, .. } = *shape;
+        let (name, first) = (source.name, usize::from(!framed));
+        let count = (pairs - *before).min(ROWS);
+        header.values(source, count.saturating_mul(columns), |k, value| {
+            let (row, column) = ((k / columns) as usize, (k % columns) as usize + first);
+            ensure!(
+                value.fract() == 0.0 && value.abs() < 9e15,
+                "{name}: pair {}: {value} is not the number of {}",
+                *before + k / columns,
+                ["a frame", "a particle", "a particle", "an image"][column.min(3)]
+            );
+            if row == rows.len() {
                 room(rows)?;
-                rows.push(row);
+                rows.push([0; 6]);
             }
+            rows[row][column] = value as i64;
             Ok(())
         })?;
         if rows.is_empty() { source.end(header) } else { Ok(()) }
     }
 
-    fn images(&self) -> usize {
-        self.shape.columns.saturating_sub(2 + usize::from(self.shape.framed))
+    fn images(&self) -> u64 {
+        self.shape.columns.saturating_sub(2 + u64::from(self.shape.framed))
     }
 }
 
 impl Rows for Array<'_> {
     fn begin(&mut self, choice: &mut Choice) -> anyhow::Result<()> {
-        let header = match self.header.take() {
+        let mut header = match self.header.take() {
             Some(header) => header,
             None => npy::header(&mut self.source)?,
         };
-        let Some((shape, notice)) = Shape::of(&header, choice.is_all()) else {
+        let Some(shape) = Shape::of(&header, choice.is_all()) else {
             bail!(
                 "{}: the shape is {}; pairs have the shape (pairs, 2) or (2, pairs), with images \
-                 in a box (pairs, 4) for discs and (pairs, 5) for spheres; with --frame all one \
-                 column more, the frame, may stand before these",
+                 (pairs, 4) for discs and (pairs, 5) for spheres; with --frame all, the frame may \
+                 stand before these",
                 self.source.name,
                 npy::shape(&header.sizes)
             )
         };
         choice.sparse = shape.framed;
-        self.notices.extend(notice);
-        self.shape = shape;
-        self.header = Some(header);
-        if shape.by_column { self.by_column() } else { Ok(()) }
+        if shape.turned {
+            header.transpose();
+        } else if shape.pairs == 2 && !header.fortran {
+            self.notices.push(assumed!(
+                "the shape {} is taken as 2 pairs, one a row; write the transpose, \
+                 numpy.array([i, j]).T, if the rows are i and j",
+                npy::shape(&header.sizes)
+            ));
+        }
+        (self.shape, self.header) = (shape, Some(header));
+        Ok(())
     }
 
     fn advance(&mut self) -> anyhow::Result<Option<i64>> {

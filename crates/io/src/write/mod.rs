@@ -18,13 +18,13 @@ use anyhow::{Context, bail, ensure};
 
 use crate::formats::npy;
 use crate::particles::Given;
-use contactbench_ground::periodic::{ImagePair, Periodic};
-use contactbench_ground::scene::{Lattice, Real, Scene, array};
+use contactbench_ground::periodic::ImagePair;
+use contactbench_ground::scene::{Real, Scene, array};
 use contactbench_ground::with_scene;
-use row::turned;
 
 mod framed;
 mod row;
+mod vtk;
 pub use framed::{Framed, framed, of_file};
 pub use row::{Extra, Style};
 
@@ -132,15 +132,13 @@ pub fn contacts(
     contacts: impl ExactSizeIterator<Item = ImagePair>,
     style: &Style<'_>,
 ) -> anyhow::Result<()> {
-    if let Some(path) = path
-        && format(path)? == PairFormat::Vtk
-    {
-        return create(
+    match path {
+        Some(path) if format(path)? == PairFormat::Vtk => create(
             path,
-            |out| with_scene!(style.scene, scene => vtk(out, contacts, scene, style)),
-        );
+            |out| with_scene!(style.scene, scene => vtk::write(out, contacts, scene, style)),
+        ),
+        _ => framed(path, false, |out| out.frame(0, style, contacts)),
     }
-    framed(path, false, Some(contacts.len()), |out| out.frame(0, style, contacts))
 }
 
 /// Writes a scene to a file whose ending gives the format. Only extended XYZ stores the box.
@@ -156,17 +154,39 @@ pub fn scene(path: &Path, given: &Given) -> anyhow::Result<()> {
 
 /// Writes a scene; formats other than extended XYZ omit the box.
 pub fn scene_to(out: &mut dyn Write, format: SceneFormat, given: &Given) -> io::Result<()> {
-    let lattice = given.lattice.as_ref();
-    with_scene!(&given.scene, scene => match format {
-        SceneFormat::Csv => scene_csv(out, scene),
-        SceneFormat::Xyz => scene_xyz(out, scene, lattice),
+    let (n, dim) = (given.scene.len(), given.scene.dim());
+    let (before, separator) = match format {
         // Three columns without names would be read as x, y and z, so these have names.
-        SceneFormat::Npy if given.scene.dim() == 2 => {
-            npy::write_fields(out, &["x", "y", "r"], scene.len())?;
-            npy_rows(out, scene, 3)
+        SceneFormat::Npy if dim == 2 => {
+            npy::write_fields(out, &["x", "y", "r"], n)?;
+            return with_scene!(&given.scene, scene => npy_rows(out, scene, 3));
         }
-        SceneFormat::Npy => scene_npy(out, scene, true),
-    })
+        SceneFormat::Npy => {
+            return with_scene!(&given.scene, scene => scene_npy(out, scene, true));
+        }
+        SceneFormat::Csv => {
+            out.write_all(if dim == 2 { b"x,y,r\n" } else { b"x,y,z,r\n" })?;
+            ("", ",")
+        }
+        SceneFormat::Xyz => {
+            writeln!(out, "{n}")?;
+            if let Some(lattice) = &given.lattice {
+                let text = |numbers: &[f64]| {
+                    numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(" ")
+                };
+                let flags = lattice.periodic().map(|yes| if yes { "T" } else { "F" }).join(" ");
+                let vectors = text(lattice.vectors().as_flattened());
+                let origin = text(&lattice.origin());
+                write!(out, "Lattice=\"{vectors}\" pbc=\"{flags}\" Origin=\"{origin}\" ")?;
+            }
+            writeln!(out, "Properties=species:S:1:pos:R:{dim}:radius:R:1")?;
+            ("X ", " ")
+        }
+    };
+    with_scene!(&given.scene, scene => (0..n).try_for_each(|k| {
+        out.write_all(before.as_bytes())?;
+        line(out, row(scene, k), separator)
+    }))
 }
 
 fn row<T: Real, const D: usize>(scene: &Scene<'_, T, D>, k: usize) -> impl Iterator<Item = f64> {
@@ -179,35 +199,6 @@ fn line(out: &mut dyn Write, row: impl Iterator<Item = f64>, separator: &str) ->
         write!(out, "{}{x:?}", if k == 0 { "" } else { separator })?;
     }
     out.write_all(b"\n")
-}
-
-fn scene_csv<T: Real, const D: usize>(
-    out: &mut dyn Write,
-    scene: &Scene<'_, T, D>,
-) -> io::Result<()> {
-    out.write_all(if D == 2 { b"x,y,r\n" } else { b"x,y,z,r\n" })?;
-    (0..scene.len()).try_for_each(|k| line(out, row(scene, k), ","))
-}
-
-fn scene_xyz<T: Real, const D: usize>(
-    out: &mut dyn Write,
-    scene: &Scene<'_, T, D>,
-    lattice: Option<&Lattice>,
-) -> io::Result<()> {
-    writeln!(out, "{}", scene.len())?;
-    if let Some(lattice) = lattice {
-        let text = |numbers: &[f64]| {
-            numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(" ")
-        };
-        let flags = lattice.periodic().map(|yes| if yes { "T" } else { "F" }).join(" ");
-        let (vectors, origin) = (text(lattice.vectors().as_flattened()), text(&lattice.origin()));
-        write!(out, "Lattice=\"{vectors}\" pbc=\"{flags}\" Origin=\"{origin}\" ")?;
-    }
-    writeln!(out, "Properties=species:S:1:pos:R:{D}:radius:R:1")?;
-    (0..scene.len()).try_for_each(|k| {
-        out.write_all(b"X ")?;
-        line(out, row(scene, k), " ")
-    })
 }
 
 pub(crate) fn scene_npy<T: Real, const D: usize>(
@@ -228,61 +219,4 @@ fn npy_rows<T: Real, const D: usize>(
     (0..scene.len()).try_for_each(|k| {
         row(scene, k).take(columns).try_for_each(|x| out.write_all(&x.to_le_bytes()))
     })
-}
-
-/// Writes points with radii, and a line for each contact. A contact across the box gets two lines:
-/// from i to the image of j, and from j to the image of i. Images are extra points after the
-/// particles, with radius 0 and `image` 1. Discs have z = 0.
-fn vtk<T: Real, const D: usize>(
-    out: &mut dyn Write,
-    contacts: impl ExactSizeIterator<Item = ImagePair>,
-    scene: &Scene<'_, T, D>,
-    style: &Style<'_>,
-) -> io::Result<()> {
-    let (n, lattice) = (scene.len(), style.periodic.map(Periodic::lattice));
-    let mut lines: Vec<ImagePair> = Vec::new();
-    let room = lines.try_reserve(2 * contacts.len());
-    room.map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
-    for pair in contacts {
-        lines.push(pair);
-        lines.extend((pair.image != [0; 3]).then(|| turned(pair)));
-    }
-    let across = || lines.iter().filter(|line| line.image != [0; 3]);
-    let images = across().count();
-    writeln!(
-        out,
-        "# vtk DataFile Version 3.0\ncontacts\nASCII\nDATASET POLYDATA\nPOINTS {} double",
-        n + images
-    )?;
-    let centre = |k: usize| array(&scene.centres()[k]).map(|x| x.wide());
-    let flat = || (D == 2).then_some(0.0);
-    for k in 0..n {
-        self::line(out, centre(k).into_iter().chain(flat()), " ")?;
-    }
-    for &ImagePair { j, image, .. } in across() {
-        let mut place = centre(j as usize);
-        for (vector, times) in lattice.iter().flat_map(|it| it.vectors()).zip(image) {
-            (0..D).for_each(|k| place[k] += f64::from(times) * vector[k]);
-        }
-        self::line(out, place.into_iter().chain(flat()), " ")?;
-    }
-    writeln!(out, "LINES {} {}", lines.len(), 3 * lines.len())?;
-    let mut next = n;
-    for &ImagePair { i, j, image } in &lines {
-        if image == [0; 3] {
-            writeln!(out, "2 {i} {j}")?;
-        } else {
-            writeln!(out, "2 {i} {next}")?;
-            next += 1;
-        }
-    }
-    writeln!(out, "POINT_DATA {}\nSCALARS radius double 1\nLOOKUP_TABLE default", n + images)?;
-    (0..n).try_for_each(|k| writeln!(out, "{:?}", scene.radius(k).wide()))?;
-    (0..images).try_for_each(|_| writeln!(out, "0.0"))?;
-    if lattice.is_some() {
-        writeln!(out, "SCALARS image int 1\nLOOKUP_TABLE default")?;
-        (0..n + images).try_for_each(|k| writeln!(out, "{}", u8::from(k >= n)))?;
-    }
-    style.vtk_ids(out, (0..n as u32).chain(across().map(|line| line.j)))?;
-    style.vtk_lines(out, &lines)
 }

@@ -1,7 +1,5 @@
 //! The columns of a written contact: two particles by index or id, the image, and extra columns.
 
-use std::io::{self, Write};
-
 use crate::raw::room::room;
 use contactbench_ground::contact::depth::depth;
 use contactbench_ground::periodic::{self, ImagePair, Periodic};
@@ -109,9 +107,6 @@ impl<'a> Style<'a> {
             put(Number::Whole(if self.by_id { self.id(k) } else { k.into() }));
         }
         image[..self.images()].iter().for_each(|&s| put(Number::Whole(s.into())));
-        if self.extras.is_empty() {
-            return;
-        }
         if self.has(Extra::Overlap) {
             self.overlap(contact).into_iter().for_each(|x| put(Number::Real(x)));
         }
@@ -156,37 +151,5 @@ impl<'a> Style<'a> {
         let unit = direction.map(|x| x / most);
         let length = unit.iter().map(|x| x * x).sum::<f64>().sqrt();
         unit.map(|x| x / length)
-    }
-
-    pub(super) fn vtk_ids(
-        &self,
-        out: &mut dyn Write,
-        points: impl Iterator<Item = u32>,
-    ) -> io::Result<()> {
-        if !self.by_id && !self.has(Extra::Ids) {
-            return Ok(());
-        }
-        writeln!(out, "SCALARS id long 1\nLOOKUP_TABLE default")?;
-        points.into_iter().try_for_each(|k| writeln!(out, "{}", self.id(k)))
-    }
-
-    pub(super) fn vtk_lines(&self, out: &mut dyn Write, lines: &[ImagePair]) -> io::Result<()> {
-        if self.has(Extra::Overlap) || self.has(Extra::Normal) {
-            writeln!(out, "CELL_DATA {}", lines.len())?;
-        }
-        if self.has(Extra::Overlap) {
-            for (k, name) in ["overlap", "depth"].into_iter().enumerate() {
-                writeln!(out, "SCALARS {name} double 1\nLOOKUP_TABLE default")?;
-                lines.iter().try_for_each(|&line| writeln!(out, "{:?}", self.overlap(line)[k]))?;
-            }
-        }
-        if self.has(Extra::Normal) {
-            writeln!(out, "VECTORS normal double")?;
-            for &line in lines {
-                let [x, y, z] = self.normal(line);
-                writeln!(out, "{x:?} {y:?} {z:?}")?;
-            }
-        }
-        Ok(())
     }
 }

@@ -4,7 +4,7 @@ use anyhow::{Context, bail, ensure};
 
 use super::{Header, any_header, particles, records};
 use crate::formats::Indexed;
-use crate::frames::{Choice, Reader, Step};
+use crate::frames::Framed;
 use crate::options::{Opened, Options};
 use crate::particles::{Loaded, loaded};
 use crate::raw::lines::Source;
@@ -13,54 +13,36 @@ pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Indexed::<Header>::new(source, options))
 }
 
-impl Reader<Loaded> for Indexed<'_, Header> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<Loaded>> {
-        let Indexed { source, options, index, next } = self;
-        let header = match index {
-            Some(header) => header,
-            None => {
-                let read = any_header(source)?;
-                if read.fields.is_empty() {
-                    read.of_rows(true).with_context(|| source.name.to_string())?;
-                }
-                index.insert(read)
+impl Framed for Indexed<'_, Header> {
+    fn begin(&mut self) -> anyhow::Result<Option<String>> {
+        let read = |source: &mut Source<'_>| {
+            let header = any_header(source)?;
+            if header.fields.is_empty() {
+                header.of_rows(true).with_context(|| source.name.to_string())?;
             }
+            Ok(header)
         };
-        while *next < header.frames.unwrap_or(1) {
-            let k = *next;
-            let step = match header.frames {
-                None => Step::Keep,
-                Some(_) => choice.begin(|| format!("{}: frame {k}", source.name))?,
-            };
-            if step == Step::Stop {
-                return Ok(None);
-            }
-            *next += 1;
-            if step == Step::Keep {
-                let frame = frame(source, header, *options);
-                if header.frames.is_none() {
-                    return frame.map(Some);
-                }
-                let read = frame.with_context(|| format!("frame {k}"))?;
-                choice.done(None, None);
-                return Ok(Some(read));
-            }
-            let numbers = header.rows.saturating_mul(header.columns.unwrap_or(1) as u64);
-            let bytes = numbers.saturating_mul(header.kind.width() as u64);
-            ensure!(
-                source.skip(bytes)?,
-                "{} ends in frame {k} of the {} that its header announces; write it again",
-                source.name,
-                header.frames.unwrap_or(1)
-            );
-            choice.done(None, None);
+        self.next_of(read, |header| header.frames.unwrap_or(1))
+    }
+
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>> {
+        let Indexed { source, options, index: Some(header), next } = self else { return Ok(None) };
+        let read = match keep {
+            true => frame(source, header, *options).map(Some),
+            false => header.values(source, header.frame_size(), |_, _| Ok(())).map(|()| None),
+        };
+        let read = match header.frames {
+            Some(_) => read.with_context(|| format!("frame {}", *next - 1))?,
+            None => read?,
+        };
+        if *next == header.frames.unwrap_or(1) {
+            source.end(header)?;
         }
-        source.end(header)?;
-        Ok(None)
+        Ok(read)
     }
 }
 
-fn frame(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::Result<Loaded> {
+fn frame(source: &mut Source<'_>, header: &mut Header, options: Options) -> anyhow::Result<Loaded> {
     if !header.fields.is_empty() {
         return Ok(records(source, header, options)?.read("NumPy npy"));
     }

@@ -6,6 +6,7 @@ use anyhow::{Context, bail, ensure};
 
 use super::fields::{self, Field};
 use crate::raw::lines::{Source, short};
+use crate::raw::room::room_for;
 use crate::raw::scalars::Kind;
 
 pub const MAGIC: &[u8] = b"\x93NUMPY";
@@ -46,6 +47,8 @@ pub(crate) struct Header {
     pub columns: Option<usize>,
     pub sizes: Vec<u64>,
     pub fields: Vec<Field>,
+    /// The numbers in C order, if they were read as a whole, and how many of them are used.
+    kept: Option<(Vec<f64>, usize)>,
 }
 
 impl Header {
@@ -67,14 +70,7 @@ impl Header {
         match self.sizes[..] {
             [_] | [_, _] => Ok(()),
             // Empty frames need no bytes, so a false header could announce any number of them.
-            [count, rows, 2..=4] if frames && count.min(rows) > 0 => {
-                ensure!(
-                    !self.fortran,
-                    "the shape is {shape}, in Fortran order; write frames in C order, with \
-                     numpy.ascontiguousarray"
-                );
-                Ok(())
-            }
+            [count, rows, 2..=4] if frames && count.min(rows) > 0 => Ok(()),
             _ => bail!(
                 "the shape is {shape}; it must be that of rows: (N, 2), (N, 3) or (N, 4) for \
                  particles (x, y, z, and the radius last), (N, 2) for pairs"
@@ -91,8 +87,58 @@ impl Header {
             .map_or(format!("{}", self.rows), |columns| format!("{} x {columns}", self.rows))
     }
 
+    /// Whether the numbers are stored in an order other than that of their rows.
+    fn is_turned(&self) -> bool {
+        self.fortran && self.sizes.len() > 1
+    }
+
+    /// Takes the rows as columns, and the columns as rows.
+    pub fn transpose(&mut self) {
+        self.sizes.reverse();
+        self.fortran = !self.fortran;
+    }
+
+    /// Reads all numbers into memory, in C order.
+    pub fn keep(&mut self, source: &mut Source<'_>) -> anyhow::Result<()> {
+        let (mut all, turned) = (Vec::new(), self.is_turned());
+        self.read(source, self.count(), 1, |_, numbers| {
+            room_for(&mut all, numbers.len())?;
+            all.extend_from_slice(numbers);
+            Ok(())
+        })?;
+        if turned {
+            let mut rows = Vec::new();
+            room_for(&mut rows, all.len())?;
+            rows.extend((0..all.len()).map(|k| {
+                let (mut rest, mut at, mut stride) = (k, 0, all.len());
+                for &size in self.sizes.iter().rev() {
+                    stride /= size as usize;
+                    at += rest % size as usize * stride;
+                    rest /= size as usize;
+                }
+                all[at]
+            }));
+            all = rows;
+        }
+        self.kept = Some((all, 0));
+        Ok(())
+    }
+
+    /// How many numbers a frame has.
+    pub fn frame_size(&self) -> u64 {
+        self.rows.saturating_mul(self.columns.unwrap_or(1) as u64)
+    }
+
+    /// Returns the numbers that were kept. The frame that is read next is number `frame`.
+    pub fn kept(&mut self, frame: u64) -> &[f64] {
+        let first = (frame * self.frame_size()) as usize;
+        let Some((all, at)) = &mut self.kept else { return &[] };
+        *at = first;
+        all
+    }
+
     pub fn values(
-        &self,
+        &mut self,
         source: &mut Source<'_>,
         count: u64,
         mut then: impl FnMut(u64, f64) -> anyhow::Result<()>,
@@ -103,8 +149,25 @@ impl Header {
     }
 
     /// Calls `then` with blocks of the next `count` rows, and the index of the first row of each.
-    /// Because of the blocks, a false shape cannot reserve more memory than the file has bytes.
     pub fn pieces(
+        &mut self,
+        source: &mut Source<'_>,
+        count: u64,
+        columns: usize,
+        mut then: impl FnMut(u64, &[f64]) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        if self.is_turned() && self.kept.is_none() {
+            self.keep(source)?;
+        }
+        let Some((all, at)) = &mut self.kept else {
+            return self.read(source, count, columns, then);
+        };
+        let first = std::mem::replace(at, *at + count as usize * columns);
+        then(0, &all[first..*at])
+    }
+
+    /// Because of the blocks, a false shape cannot reserve more memory than the file has bytes.
+    fn read(
         &self,
         source: &mut Source<'_>,
         count: u64,
@@ -256,7 +319,8 @@ fn parse(text: &str) -> anyhow::Result<Header> {
         [rows, columns] => (None, rows, Some(narrow(columns))),
         [frames, rows, columns, ..] => (Some(frames), rows, Some(narrow(columns))),
     };
-    Ok(Header { kind, descr, big, fortran, frames, rows, columns, sizes, fields })
+    let kept = None;
+    Ok(Header { kind, descr, big, fortran, frames, rows, columns, sizes, fields, kept })
 }
 
 /// Returns the number type of a `descr` such as `<f8`, and whether it is big-endian.

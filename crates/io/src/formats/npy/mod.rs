@@ -5,7 +5,7 @@
 //! | (N, 2) | x, y |
 //! | (N, 3) | x, y, z; or x, y, radius if the options give two dimensions |
 //! | (N, 4) | x, y, z, radius |
-//! | (frames, N, 2 to 4), C order | the same for each frame |
+//! | (frames, N, 2 to 4) | the same for each frame |
 //!
 //! Format: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
@@ -28,7 +28,7 @@ pub(crate) use header::{Header, any_header, header, shape, write_fields, write_h
 
 pub fn particles(
     source: &mut Source<'_>,
-    header: &Header,
+    header: &mut Header,
     options: Options,
 ) -> anyhow::Result<(Particles, RadiusSource)> {
     let name = source.name;
@@ -51,8 +51,13 @@ pub fn particles(
         header.descr
     );
     numbered(rows, "particles").with_context(|| name.to_string())?;
-    let (mut particles, radius) = of_rows(columns, options);
-    let (dim, has_radii) = (particles.dim(), particles.has_radii());
+    let (dim, has_radii) = match (columns, options.dim) {
+        (2, _) => (2, false),
+        (3, Some(2)) => (2, true),
+        (3, _) => (3, false),
+        _ => (3, true),
+    };
+    let mut particles = Particles::new(dim, has_radii);
     let checked = |value: f64, row: u64, column: usize| {
         let axis = if column == dim { "radius" } else { ["x", "y", "z"][column.min(2)] };
         ensure!(
@@ -68,23 +73,6 @@ pub fn particles(
         );
         Ok(value)
     };
-    if header.fortran {
-        // The first column creates the particles; the other columns set their values.
-        header.values(source, rows, |row, x| {
-            particles.push([checked(x, row, 0)?, 0.0, 0.0], 0.0, 0)
-        })?;
-        for column in 1..columns {
-            header.values(source, rows, |row, value| {
-                let (value, row) = (checked(value, row, column)?, row as usize);
-                match &mut particles.radii {
-                    Some(radii) if column == dim => radii[row] = value,
-                    _ => particles.set(row, column, value),
-                }
-                Ok(())
-            })?;
-        }
-        return Ok((particles, radius));
-    }
     // An array with fewer rows than parts is kept whole.
     let part = options.part.filter(|[_, parts]| rows >= *parts);
     let kept = part.map_or(0..rows, |[k, parts]| rows * k / parts..rows * (k + 1) / parts);
@@ -102,26 +90,13 @@ pub fn particles(
         let row = |row: u64| (row.clamp(first, last) - first) as usize * columns;
         particles.extend(&numbers[row(kept.start)..row(kept.end)], columns)
     })?;
-    Ok((particles, radius))
-}
-
-/// Returns an empty set of particles for rows of two to four numbers, and the source of their
-/// radii.
-pub fn of_rows(columns: usize, options: Options) -> (Particles, RadiusSource) {
-    let (dim, has_radii) = match (columns, options.dim) {
-        (2, _) => (2, false),
-        (3, Some(2)) => (2, true),
-        (3, _) => (3, false),
-        _ => (3, true),
-    };
     let last = RadiusSource::Column(format!("last of {columns} columns"));
-    let radius = if has_radii { last } else { RadiusSource::Missing };
-    (Particles::new(dim, has_radii), radius)
+    Ok((particles, if has_radii { last } else { RadiusSource::Missing }))
 }
 
 pub fn list(
     source: &mut Source<'_>,
-    header: &Header,
+    header: &mut Header,
     label: &str,
     column: Column,
 ) -> anyhow::Result<Vec<f64>> {

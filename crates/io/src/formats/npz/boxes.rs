@@ -33,7 +33,7 @@ impl Cell {
     pub fn take(
         &mut self,
         source: &mut Source<'_>,
-        header: &Header,
+        header: &mut Header,
         label: &str,
         options: Options,
     ) -> anyhow::Result<()> {
@@ -42,9 +42,9 @@ impl Cell {
         }
         let is_flags = among(FLAGS, &label.to_ascii_lowercase());
         let place = source.name;
-        let what = || format!("{place}: '{}' is {}", short(label), header.words());
-        ensure!(header.fields.is_empty(), "{}, and no box; give --box LX,LY,LZ or --open", what());
-        let mut values = npy::list(source, header, label, Column::Axis(0))?;
+        let what = format!("{place}: '{}' is {}", short(label), header.words());
+        ensure!(header.fields.is_empty(), "{what}, and no box; give --box LX,LY,LZ or --open");
+        let values = npy::list(source, header, label, Column::Axis(0))?;
         let shape = header.sizes.clone();
         if is_flags {
             let all: Option<Vec<bool>> = values.iter().map(|&value| flag(value)).collect();
@@ -52,7 +52,7 @@ impl Cell {
                 ([] | [1], Some(&[all])) => [all; 3],
                 ([2], Some(&[x, y])) => [x, y, false],
                 ([3], Some(&[x, y, z])) => [x, y, z],
-                _ => bail!("{}; it must have true or false for each axis: give --periodic", what()),
+                _ => bail!("{what}; it must have true or false for each axis: give --periodic"),
             });
             return Ok(());
         }
@@ -62,13 +62,6 @@ impl Cell {
             short(label),
             self.vectors.as_ref().map_or("", |found| &found.label)
         );
-        if let (true, &[rows, columns]) = (header.fortran, &shape[..]) {
-            let (rows, columns) = (rows as usize, columns as usize);
-            let at = |k: usize| values.get(k % columns * rows + k / columns).copied();
-            values = (0..values.len()).filter_map(at).collect();
-        }
-        let fits = !header.fortran || shape.len() < 3;
-        ensure!(fits, "{}; write it in C order, with numpy.ascontiguousarray", what());
         let label = short(label);
         self.vectors = Some(Found { values, shape, label });
         Ok(())

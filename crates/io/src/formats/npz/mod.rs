@@ -15,7 +15,7 @@
 mod boxes;
 mod scenes;
 
-use std::io::{BufReader, Read};
+use std::io::{BufRead, BufReader, Read};
 
 use anyhow::{Context, bail, ensure};
 use flate2::bufread::DeflateDecoder;
@@ -37,37 +37,26 @@ pub fn members(
 ) -> anyhow::Result<()> {
     while let Some(local) = local(source)? {
         let name = format!("{}: {}", source.name, short(&local.name));
-        match (local.method, local.size) {
-            (0, Some(size)) => {
-                let mut stored = Read::take(&mut *source.input, size);
-                let input = &mut BufReader::new(&mut stored);
-                let of_member = Source { input, name: &name, unpacking: source.unpacking };
-                member(of_member, &local.name)?;
-                std::io::copy(&mut stored, &mut std::io::sink())
-                    .with_context(|| format!("cannot read {name}"))?;
-            }
-            (8, size) => {
-                {
-                    let decoder = DeflateDecoder::new(&mut *source.input);
-                    let unpacked = source.unpacking.unpacked(decoder);
-                    let mut unpacked = BufReader::with_capacity(1 << 16, unpacked);
-                    let input = &mut unpacked;
-                    let of_member = Source { input, name: &name, unpacking: source.unpacking };
-                    member(of_member, &local.name)?;
-                    std::io::copy(&mut unpacked, &mut std::io::sink())
-                        .with_context(|| format!("cannot read {name}"))?;
-                }
-                if size.is_none() {
-                    descriptor(source, local.wide)?;
-                }
+        let mut input: Box<dyn BufRead + '_> = match (local.method, local.size) {
+            (0, Some(size)) => Box::new(Read::take(&mut *source.input, size)),
+            (8, _) => {
+                let unpacked = DeflateDecoder::new(&mut *source.input);
+                Box::new(BufReader::with_capacity(1 << 16, source.unpacking.unpacked(unpacked)))
             }
             (0, None) => {
                 bail!("{name}: stored without its size; write the archive to a file, not to a pipe")
             }
-            (method, _) => bail!(
-                "{name}: compressed by method {method}; write it with numpy.savez or \
-                 numpy.savez_compressed"
-            ),
+            (method, _) => {
+                bail!("{name}: compressed by method {method}; write it with numpy.savez")
+            }
+        };
+        let of_member = Source { input: &mut input, name: &name, unpacking: source.unpacking };
+        member(of_member, &local.name)?;
+        let rest = std::io::copy(&mut input, &mut std::io::sink());
+        rest.with_context(|| format!("cannot read {name}"))?;
+        drop(input);
+        if local.size.is_none() {
+            descriptor(source, local.wide)?;
         }
     }
     Ok(())
