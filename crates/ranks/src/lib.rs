@@ -21,7 +21,7 @@ use crate::share::Share;
 use crate::world::World;
 use contactbench::io::Given;
 use contactbench::record::origin::provenance;
-use contactbench::stats::interval::{Interval, interval, median};
+use contactbench::stats::interval::median;
 use contactbench_detectors::spec::DetectorSpec;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
@@ -72,12 +72,6 @@ pub struct Row {
     pub search_ms: f64,
     /// Time of the search when it is repeated after each step while all other ranks wait.
     pub alone_ms: f64,
-    /// Ratio of `alone_ms` to the longest step of any rank, per step: the part of a step that an
-    /// undisturbed search takes.
-    pub alone_over_step: Option<Interval>,
-    /// Ratio of `alone_ms` to the longest search. It shows how far shared memory and cores slow the
-    /// search down, approximately, because the repeated search finds warm caches.
-    pub alone_over_search: Option<Interval>,
     /// Largest memory of a rank in bytes, computed from array sizes: particles, buffers and
     /// contacts, without messages.
     pub memory_most: u64,
@@ -201,8 +195,6 @@ where
         exchange_ms: Times::typical(&steps, |it| it.exchange),
         search_ms: Times::typical(&steps, |it| it.search),
         alone_ms: Times::typical(&steps, |it| it.alone),
-        alone_over_step: Times::alone_over(&steps, |it| it.step),
-        alone_over_search: Times::alone_over(&steps, |it| it.search),
         memory_most: Over::all(world, memory).most,
         pairs: found.pairs,
         digest: found.digest,
@@ -225,11 +217,6 @@ struct Times {
 impl Times {
     fn typical(steps: &[Times], of: fn(&Times) -> f64) -> f64 {
         median(&steps.iter().map(of).collect::<Vec<_>>()).unwrap_or(0.0)
-    }
-
-    fn alone_over(steps: &[Times], of: fn(&Times) -> f64) -> Option<Interval> {
-        let timed = steps.iter().filter(|times| of(times) > 0.0);
-        interval(&timed.map(|times| times.alone / of(times)).collect::<Vec<_>>())
     }
 }
 

@@ -19,12 +19,11 @@ use contactbench::cli::shared::{terminal, values};
 #[cfg(feature = "mpi")]
 use contactbench::io::Place;
 use contactbench::io::write::append;
-use contactbench::number::{plural, times, with_interval};
+use contactbench::number::plural;
 use contactbench::present::document::{Block, plain};
 use contactbench::present::table::Table;
 #[cfg(feature = "mpi")]
 use contactbench::scene::origin::Origin;
-use contactbench::stats::interval::{COVERAGE, Interval};
 use contactbench_detectors::table;
 
 #[derive(clap::Args)]
@@ -213,7 +212,6 @@ fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
             )));
         }
     }
-    blocks.extend(rows.iter().filter(|row| row.ranks > 1).map(sharing));
     blocks.extend(rows.iter().map(verdict));
     write!(terminal::out(), "{}", plain(&blocks, terminal::width()))?;
     let wrong = rows.iter().any(|row| row.is_right() == Some(false));
@@ -227,21 +225,6 @@ fn heading(row: &Row) -> Block {
     };
     let Row { scene, dim, detector, .. } = row;
     Block::paragraph(format!("{scene}: {dim}D, {detector}, exact arithmetic; slabs along {along}."))
-}
-
-/// Returns how much of a step an undisturbed search takes.
-fn sharing(row: &Row) -> Block {
-    let ratio = |of: &Option<Interval>| match of {
-        Some(ratio) if ratio.coverage >= COVERAGE => with_interval(ratio),
-        Some(ratio) => times(ratio.median),
-        None => "–".into(),
-    };
-    Block::paragraph(format!(
-        "{}: alone / step {}; alone / search {} (1: sharing memory and cores costs nothing).",
-        plural(row.ranks, "rank"),
-        ratio(&row.alone_over_step),
-        ratio(&row.alone_over_search)
-    ))
 }
 
 /// Returns the contacts of all ranks, compared with those of one process.

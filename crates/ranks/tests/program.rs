@@ -60,12 +60,7 @@ fn ranks_agree_with_one_process_and_report_the_data_sent() {
     let made = rows(folder, &[packed, "--ranks", "1,3"]);
     assert_eq!(made.iter().map(|row| number(row, "ranks")).collect::<Vec<_>>(), [1, 3]);
     assert_eq!((number(&made[0], "sent"), number(&made[1], "partners_most")), (0, 1));
-    // In a row of one rank and one step, each ratio is the ratio of the times.
     let real = |name: &str| made[0][name].as_f64().unwrap();
-    for (ratio, time) in [("alone_over_step", "step_ms"), ("alone_over_search", "search_ms")] {
-        let median = made[0][ratio]["median"].as_f64().unwrap();
-        assert!((median - real("alone_ms") / real(time)).abs() < 1e-9 * median, "{ratio}");
-    }
     assert!(real("alone_ms") > 0.0 && made[0]["machine"].is_string());
     // A particle takes 4 bytes for its number, and 8 for each coordinate.
     assert!(number(&made[1], "sent") > 100);

@@ -15,7 +15,6 @@ use contactbench_record::record::merge::Part;
 use contactbench_record::record::origin::provenance;
 use contactbench_record::record::row::{Row, Writer};
 use contactbench_record::record::{merge, row};
-use contactbench_run::run::machine::disk;
 use contactbench_terms::number::plural;
 
 const OTHER: &str = "choose another folder with --out";
@@ -65,8 +64,6 @@ fn beside(out: &Path, parts: &[Part], mut provenance: Value) -> anyhow::Result<(
     let experiments = out.join("experiments");
     std::fs::create_dir_all(&experiments)
         .with_context(|| format!("cannot make the folder {}; {OTHER}", experiments.display()))?;
-    let bytes = parts.iter().map(|part| part.bytes).sum();
-    disk::ensure(out, bytes, "the record", &format!("make room, or {OTHER}"))?;
     for (name, text) in &parts[0].experiments {
         write(experiments.join(format!("{name}.toml")), text)?;
     }

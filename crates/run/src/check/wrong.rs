@@ -125,3 +125,5 @@ impl fmt::Display for Wrong {
         }
     }
 }
+
+impl std::error::Error for Wrong {}

@@ -19,59 +19,34 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     let subjects = &race.subjects;
     let name = |k: usize| subjects[k].entry.name;
     let choice = &subjects[verdict.choice];
-    let mut parts = Vec::new();
-    // Ratios come before times, because they vary less between runs.
-    if let Some((k, ratio)) = &verdict.next {
-        let next = if verdict.tied.is_empty() {
-            "the runner-up"
-        } else {
-            "the next that is decidedly slower"
-        };
-        let takes = with_interval(ratio);
-        parts.push(format!("{next}, {}, takes {takes} times as long", name(*k)));
+    let time = per_particle(choice, n)
+        .map(|time| format!("{} ns per particle in this run", number(time.median)));
+    let bytes =
+        bytes_per_particle(choice, n).map(|bytes| format!("{} bytes per particle", number(bytes)));
+    let parts: Vec<String> = time.into_iter().chain(bytes).chain([error(choice)]).collect();
+    let mut lines = vec![format!("{}: {}", name(verdict.choice), parts.join("; "))];
+    let tied: Vec<&str> = verdict.tied.iter().map(|(k, _)| name(*k)).collect();
+    if !tied.is_empty() {
+        let why = if verdict.is_fastest { "has the shortest median" } else { "needs less memory" };
+        lines.push(format!(
+            "undecided against {}; it {why}; more --seconds may decide",
+            tied.join(", ")
+        ));
+    } else if verdict.next.is_none() {
+        lines.push("no other detector has a time, so nothing was compared".into());
     }
-    if let Some(time) = per_particle(choice, n) {
-        parts.push(format!("{} ns per particle in this run", number(time.median)));
-    }
-    if let Some(bytes) = bytes_per_particle(choice, n) {
-        parts.push(format!("{} bytes per particle", number(bytes)));
-    }
-    parts.push(error(choice));
-    let mut text = format!("{}: {}", name(verdict.choice), parts.join("; "));
-    for (k, ratio) in &verdict.tied {
-        let takes = ratio.map_or(String::new(), |ratio| {
-            format!(": it takes {} times as long", with_interval(&ratio))
-        });
-        let memory = match bytes_per_particle(&subjects[*k], n) {
-            Some(bytes) => format!(", with {} bytes per particle", number(bytes)),
-            None => String::new(),
-        };
-        text += &format!("\n  {} may be as fast{takes}{memory}", name(*k));
-    }
-    if !verdict.tied.is_empty() {
-        let why =
-            if verdict.is_fastest { "its median is the shortest" } else { "it needs less memory" };
-        text += &format!(
-            "\n  {} is recommended because {why}; more --seconds may decide",
-            name(verdict.choice)
-        );
-    }
-    if verdict.next.is_none() && verdict.tied.is_empty() {
-        text += "\n  no other detector has a time, so nothing was compared; give more --seconds";
-    }
-    text += &match (&race.twin, verdict.floor) {
+    lines.push(match (&race.twin, verdict.floor) {
         _ if race.blocks < FEWEST => format!(
-            "\n  {} of the {FEWEST} blocks that a decision needs; give more --seconds",
+            "{} of the {FEWEST} blocks that a decision needs; give more --seconds",
             race.blocks
         ),
         (Some(twin), Some(floor)) => format!(
-            "\n  a second copy of it took {} times as long:\n  factors below {floor:.2} decide \
-             nothing",
+            "its twin took {} times as long, so factors below {floor:.2} decide nothing",
             with_interval(twin)
         ),
-        _ => "\n  the second copy of it has no times, so nothing is decided".into(),
-    };
-    text
+        _ => "its twin has no times, so nothing is decided".into(),
+    });
+    lines.join("\n  ")
 }
 
 fn numbers(interval: Interval) -> Value {

@@ -2,26 +2,25 @@
 //! load of the machine.
 
 use std::collections::HashMap;
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use anyhow::Context;
-use sha2::{Digest, Sha256};
 
 use crate::run::runner::client::Client;
 use crate::run::subject::Subject;
+use contactbench_record::record::folder::copies::sha256;
 use contactbench_record::record::folder::ledger::{Entry, Executed, Process, Span, Writer};
 use contactbench_record::record::role::Role;
 
 pub struct Origins {
     ledger: Writer,
-    /// SHA-256 of files. A file is read again only if its path, size, time or inode changes.
+    /// SHA-256 of files. A file is read again only if its path, size or time changes.
     known: HashMap<Stamp, Option<String>>,
 }
 
-type Stamp = (PathBuf, u64, Option<SystemTime>, u64);
+type Stamp = (PathBuf, u64, Option<SystemTime>);
 
 impl Origins {
     pub fn append(folder: &Path) -> io::Result<Origins> {
@@ -47,7 +46,7 @@ impl Origins {
         let hello = &client.hello;
         let (version, build) = (hello.version.clone(), hello.build.clone());
         let mut process = Process { id: String::new(), files, version, build };
-        process.id = hexadecimal(&Sha256::digest(serde_json::to_vec(&process)?))[..8].into();
+        process.id = sha256(&serde_json::to_vec(&process)?)[..8].into();
         let id = process.id.clone();
         self.write(&Entry::Process(process))?;
         Ok(Some(id))
@@ -62,16 +61,9 @@ impl Origins {
     }
 
     fn executed(&mut self, (name, path): (String, PathBuf)) -> Executed {
-        let stamp = std::fs::metadata(&path).map(|it| {
-            #[cfg(unix)]
-            let number = std::os::unix::fs::MetadataExt::ino(&it);
-            #[cfg(not(unix))]
-            let number = 0;
-            // On Linux, the path is `/proc/PID/exe`, which differs between processes; the rest of
-            // the stamp identifies the file.
-            let place = if path.starts_with("/proc") { PathBuf::from(&name) } else { path.clone() };
-            (place, it.len(), it.modified().ok(), number)
-        });
+        // On Linux, the path is `/proc/PID/exe`, which differs between processes.
+        let place = if path.starts_with("/proc") { PathBuf::from(&name) } else { path.clone() };
+        let stamp = std::fs::metadata(&path).map(|it| (place, it.len(), it.modified().ok()));
         let sha256 = stamp.ok().and_then(|stamp| {
             self.known.entry(stamp).or_insert_with(|| fingerprint(&path).ok()).clone()
         });
@@ -101,18 +93,7 @@ fn name(path: &Path) -> String {
 }
 
 pub fn fingerprint(path: &Path) -> io::Result<String> {
-    let (mut file, mut sum) = (File::open(path)?, Sha256::new());
-    let mut buffer = vec![0; 1 << 20];
-    loop {
-        match io::Read::read(&mut file, &mut buffer)? {
-            0 => return Ok(hexadecimal(&sum.finalize())),
-            read => sum.update(&buffer[..read]),
-        }
-    }
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    Ok(sha256(&std::fs::read(path)?))
 }
 
 #[cfg(test)]

@@ -188,18 +188,10 @@ fn start(subject: &Subject) -> Result<(Client, Arithmetic), Failure> {
         return Err(unavailable(reason.clone()));
     }
     let client = Client::start(&subject.start)?;
-    let said = || {
-        let name = &client.hello.arithmetic;
-        let found = Arithmetic::ALL.into_iter().find(|arithmetic| arithmetic.name() == name);
-        found.ok_or_else(|| {
-            let names = Arithmetic::names();
-            unavailable(format!(
-                "the runner's hello has arithmetic '{name}'; it must be one of \
-                 {names}"
-            ))
-        })
+    let arithmetic = match subject.arithmetic {
+        Some(arithmetic) => arithmetic,
+        None => client.hello.arithmetic().map_err(unavailable)?,
     };
-    let arithmetic = subject.arithmetic.map_or_else(said, Ok)?;
     Ok((client, arithmetic))
 }
 

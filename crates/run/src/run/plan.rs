@@ -1,13 +1,11 @@
 //! Checks before a run whether it can succeed.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
 use serde_json::Value;
 
 use crate::plan::specs;
-use crate::run::machine::disk;
-use crate::run::subject::subjects;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;
 use contactbench_scenes::generate;
@@ -15,9 +13,6 @@ use contactbench_scenes::spec::Spec;
 
 /// Maximum number of particles of scenes that are tried before a run, in some milliseconds.
 const TRIED: u64 = 1000;
-/// Assumed size of a row in bytes; the reference runs have 1.0 to 1.7 kB.
-const ROW_BYTES: u64 = 2000;
-const REPORT_BYTES: u64 = 8 << 20;
 
 pub(crate) struct Job {
     pub quick: bool,
@@ -92,47 +87,6 @@ fn can_be_made(spec: &Spec) -> anyhow::Result<()> {
     }
     let few = Spec { n: spec.n.min(TRIED), ..spec.clone() };
     few.frames(&few.given()?).map(drop)
-}
-
-/// Checks that files can be written to `folder` and `temporary`, and that there is space for the
-/// rows in one (`done` exist already) and for the largest scene in the other.
-pub(crate) fn room(
-    job: &Job,
-    scenes: &[Planned<'_>],
-    done: usize,
-    folder: &Path,
-    temporary: &Path,
-) -> anyhow::Result<()> {
-    let rows = |(experiment, _): &Planned<'_>| -> u64 {
-        let blocks = u64::from(experiment.enough_blocks(job.quick));
-        let passes = |copies: bool| 2 + blocks * if copies { 2 } else { 1 };
-        subjects(experiment, &job.program, job.against.as_deref())
-            .iter()
-            .map(|subject| passes(subject.copy.is_some()))
-            .sum()
-    };
-    let rows = scenes.iter().map(rows).fold(0u64, u64::saturating_add);
-    let rows = rows.saturating_sub(done as u64);
-    let needed = rows.saturating_mul(ROW_BYTES).saturating_add(REPORT_BYTES);
-    disk::ensure(
-        folder,
-        needed,
-        "the record and the report",
-        "free some space, or choose another folder with --out",
-    )?;
-    // Coordinates and radii of each frame in f64, and six pairs per particle of a wrong answer.
-    let bytes = |(_, spec): &Planned<'_>| {
-        let frames = spec.course.map_or(1, |course| course.frames);
-        let frame = spec.n.saturating_mul(u64::from(spec.dim) * 8 + 8);
-        frame.saturating_mul(frames).saturating_add(spec.n.saturating_mul(6 * 8))
-    };
-    let largest = scenes.iter().map(bytes).max().unwrap_or(0);
-    disk::ensure(
-        temporary,
-        largest,
-        "the largest scene",
-        "free some space, or set TMPDIR to a place with more",
-    )
 }
 
 /// Fails if the scene is not the one in the record, because its file or generator has changed.

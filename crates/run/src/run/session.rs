@@ -102,7 +102,6 @@ pub fn run(
     std::fs::create_dir_all(folder.join(folder::EXPERIMENTS)).with_context(|| {
         format!("cannot make the result folder {}; choose another with --out", folder.display())
     })?;
-    plan::room(&job, &scenes, done.rows.len(), folder, temporary.path())?;
     let (record, origins) = opened(folder, done.rows.len())?;
     interrupt::install().context("cannot listen to Ctrl-C")?;
     write_origin(asked, folder, &label, base)?;

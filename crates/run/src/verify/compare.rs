@@ -106,37 +106,16 @@ impl Against<'_> {
 
     /// Returns, for each touching pair, the image with the largest overlap.
     fn deepest(&self) -> ContactList {
-        let ends = |pair: &ImagePair| [pair.i, pair.j];
-        let deep = |pair: ImagePair| depth(self.space, pair);
-        let mut shifted = Vec::new();
-        let mut beaten = Vec::new();
-        for same in self.truth.shifted.chunk_by(|a, b| ends(a) == ends(b)) {
-            let deeper = |best: (f64, ImagePair), &pair: &ImagePair| match deep(pair) {
-                depth if depth > best.0 => (depth, pair),
-                _ => best,
-            };
-            let (most, best) = same[1..].iter().fold((deep(same[0]), same[0]), deeper);
-            let plain = self.truth.plain.binary_search(&ends(&best)).ok();
-            if plain.is_none() || deep(ImagePair::new(best.i, best.j, [0; 3])) < most {
-                shifted.push(best);
-                beaten.extend(plain);
-            }
-        }
-        let mut beaten = beaten.into_iter().peekable();
-        let plain = self.truth.plain.iter().enumerate();
-        let stays = plain.filter(|(place, _)| beaten.next_if_eq(place).is_none());
-        let plain = stays.map(|(_, &pair)| pair).collect();
-        ContactList { plain, shifted }
+        let mut pairs: Vec<[u32; 2]> = self.truth.iter().map(|pair| [pair.i, pair.j]).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let deepest = |pair| self.deepest_first(self.truth.of(pair)).into_iter().next();
+        pairs.into_iter().filter_map(deepest).collect()
     }
 
     fn deepest_first(&self, pairs: impl Iterator<Item = ImagePair>) -> Vec<ImagePair> {
         let mut pairs: Vec<ImagePair> = pairs.collect();
-        if pairs.len() > 1 {
-            let deep = |pair| (depth(self.space, pair), pair);
-            let mut by_depth: Vec<(f64, ImagePair)> = pairs.into_iter().map(deep).collect();
-            by_depth.sort_by(|a, b| b.0.total_cmp(&a.0));
-            pairs = by_depth.into_iter().map(|(_, pair)| pair).collect();
-        }
+        pairs.sort_by(|&a, &b| depth(self.space, b).total_cmp(&depth(self.space, a)));
         pairs
     }
 

@@ -184,11 +184,8 @@ fn open(asked: &Asked<'_>, list: &mut List, has_box: bool) -> anyhow::Result<()>
     }
     let images = list.images.as_deref().unwrap_or_default();
     let Some(k) = images.iter().position(|image| *image != [0; 3]) else { return Ok(()) };
-    let boundaries = asked.input.boundaries;
     let remedy = match has_box {
-        _ if boundaries.open => "leave out --open",
-        true if boundaries.periodic.is_some() => "leave out --periodic none",
-        true => "give --periodic with the axes along which the box repeats",
+        true => "leave out --open, or give --periodic with the axes along which the box repeats",
         false => "give --box LX,LY,LZ, and --periodic where it is open along some axis",
     };
     let [x, y, z] = images[k];

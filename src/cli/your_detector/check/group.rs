@@ -9,7 +9,7 @@ use super::failing::last_words;
 use contactbench_detectors::table;
 use contactbench_detectors::table::TABLE;
 use contactbench_ground::contact::Arithmetic;
-use contactbench_run::check::process::{Foreign, Met};
+use contactbench_run::check::process::{self, Foreign};
 use contactbench_run::check::subject::CheckedSubject;
 use contactbench_run::check::{Limits, Wrong, conversation};
 use contactbench_run::plan::detectors;
@@ -86,50 +86,45 @@ pub(super) fn runners(
     for arithmetic in asked {
         let name = arithmetic.map_or("", Arithmetic::name);
         let words = words.iter().map(|word| word.replace(ARITHMETIC, name)).collect();
-        let met = match Foreign::meet(words)? {
-            Met::Runner(foreign) if arithmetic.is_some_and(|asked| asked != foreign.arithmetic) => {
-                let said = foreign.arithmetic.name();
-                Met::Wrong(Wrong::Breaks(format!(
-                    "it was started with {name} arithmetic, and its first line has {said}"
-                )))
+        let met = Foreign::meet(words).and_then(|foreign| {
+            let said = foreign.arithmetic;
+            ensure!(
+                arithmetic.is_none_or(|asked| asked == said),
+                Wrong::Breaks(format!(
+                    "it was started with {name} arithmetic, and its first line has {}",
+                    said.name()
+                ))
+            );
+            Ok(foreign)
+        });
+        let (foreign, lacks, wrongs) = match process::wrong(met)? {
+            Ok(foreign) => {
+                let (lacks, wrongs) = conversation::hold(&foreign, limits.deadline)?;
+                (Some(foreign), lacks, wrongs)
             }
-            met => met,
+            Err(wrong) => (None, vec![], vec![wrong]),
         };
-        let foreign = match met {
-            Met::Runner(foreign) => foreign,
-            Met::Wrong(wrong) => {
-                wrongs(std::slice::from_ref(&wrong), out)?;
-                broken.push(wrong);
-                continue;
-            }
+        for wrong in &wrongs {
+            writeln!(out, "WRONG: {wrong}")?;
+            last_words(wrong, out)?;
+        }
+        let Some(foreign) = foreign else {
+            broken.extend(wrongs);
+            continue;
         };
-        let manners = conversation::hold(&foreign, limits.deadline)?;
         let Foreign { name, version, arithmetic, .. } = &foreign;
         let version = if version.is_empty() { String::new() } else { format!(" {version}") };
-        let lacks: Vec<&str> = ["count", "memory", "pairs"]
-            .into_iter()
-            .filter(|ability| !manners.abilities.contains(ability))
-            .collect();
-        let lacks = if lacks.is_empty() {
-            "has all requests".into()
-        } else {
-            format!("without {}", lacks.join(" and "))
+        let lacks = match &lacks[..] {
+            _ if !wrongs.is_empty() => "breaks the protocol".into(),
+            [] => "has all requests".into(),
+            lacks => format!("without {}", lacks.join(" and ")),
         };
         writeln!(out, "runner: {name}{version}, {} arithmetic, {lacks}", arithmetic.name())?;
-        wrongs(&manners.broken, out)?;
-        broken.extend(manners.broken);
+        broken.extend(wrongs);
         groups.push(Group {
             arithmetics: vec![*arithmetic],
             subjects: vec![CheckedSubject::Runner(foreign)],
         });
     }
     Ok(groups)
-}
-
-fn wrongs(wrongs: &[Wrong], out: &mut dyn Write) -> anyhow::Result<()> {
-    for wrong in wrongs {
-        writeln!(out, "WRONG: {wrong}")?;
-        last_words(wrong, out)?;
-    }
-    Ok(())
 }

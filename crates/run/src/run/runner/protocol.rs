@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use crate::run::runner::trajectory::Trajectory;
+use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::pairs::sink::Digest;
 use contactbench_lists::track::Step;
 use contactbench_terms::mix::splitmix64;
@@ -37,12 +37,6 @@ pub enum Request {
         frame: Option<u64>,
     },
     Quit,
-}
-
-impl Request {
-    pub fn message(&self) -> Result<Value, String> {
-        serde_json::to_value(self).map_err(|e| format!("cannot write the request as JSON: {e}"))
-    }
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -110,6 +104,16 @@ pub struct Hello {
     pub at_rest: bool,
 }
 
+impl Hello {
+    pub fn arithmetic(&self) -> Result<Arithmetic, String> {
+        let found = Arithmetic::ALL.into_iter().find(|it| it.name() == self.arithmetic);
+        found.ok_or_else(|| {
+            let names = Arithmetic::names();
+            format!("its hello has arithmetic '{}'; it must be one of {names}", self.arithmetic)
+        })
+    }
+}
+
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     pub time_ns: u64,
@@ -173,13 +177,16 @@ impl From<Steps> for Found {
 }
 
 impl Found {
+    /// Returns the digest of the last frame.
+    pub fn digest(&self) -> Result<Digest, String> {
+        digest(self.contacts, &self.digest)
+    }
+
     pub fn answers(&self) -> Result<Vec<Digest>, String> {
-        let Found { contacts, digest: text, steps } = self;
-        match steps.is_empty() {
-            true => Ok(vec![digest(*contacts, text)?]),
-            false => {
-                steps.contacts.iter().zip(&steps.digests).map(|(&n, of)| digest(n, of)).collect()
-            }
+        let Steps { contacts, digests, .. } = &self.steps;
+        match self.steps.is_empty() {
+            true => Ok(vec![self.digest()?]),
+            false => contacts.iter().zip(digests).map(|(&n, text)| digest(n, text)).collect(),
         }
     }
 
@@ -260,7 +267,7 @@ fn exact() -> String {
 }
 
 /// Parses the digest in a reply: `0x` and 16 lower-case hexadecimal digits.
-pub fn digest(contacts: u64, text: &str) -> Result<Digest, String> {
+fn digest(contacts: u64, text: &str) -> Result<Digest, String> {
     let hexadecimal = |c: char| matches!(c, '0'..='9' | 'a'..='f');
     let digits = text
         .strip_prefix("0x")

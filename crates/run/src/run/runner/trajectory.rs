@@ -26,6 +26,9 @@ pub struct Trajectory {
     pub in_box: Option<BoxMessage>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub boxes: Vec<BoxMessage>,
+    /// A field that runners must ignore; `check` tests this.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remark: Option<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,7 +75,7 @@ impl Trajectory {
             n: scene.len() as u64,
             radius,
             in_box: lattice.as_ref().map(|lattice| BoxMessage::new(lattice, scene.dim())),
-            boxes: Vec::new(),
+            ..Trajectory::default()
         })
     }
 
@@ -125,7 +128,7 @@ impl Trajectory {
         let Trajectory { dim, n, radius, .. } = *self;
         let frames = self.frames.get(k).cloned().into_iter().collect();
         let in_box = self.boxes.get(k).or(self.in_box.as_ref()).cloned();
-        Trajectory { frames, dim, n, radius, in_box, boxes: Vec::new() }
+        Trajectory { frames, dim, n, radius, in_box, ..Trajectory::default() }
     }
 
     pub fn remove(&self) {

@@ -8,10 +8,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use serde_json::Value;
-
 use crate::run::machine::{interrupt, processors};
-use crate::run::runner::client::output::{Begun, Line};
+use crate::run::runner::client::output::Line;
 use crate::run::runner::family;
 use crate::run::runner::possible::{self, Asked};
 use crate::run::runner::protocol::{Hello, Reply, Request, VERSION};
@@ -53,21 +51,15 @@ pub struct Client {
     child: Child,
     input: Option<ChildStdin>,
     lines: Receiver<Line>,
-    begun: Begun,
     errors: Arc<Mutex<String>>,
     pub time_limit: Duration,
     memory_limit: u64,
     samples: u32,
     frames: usize,
-    /// Number of ordered pairs of particles; `None` in a box, where images are pairs, too.
-    most_listed: Option<u64>,
     /// The loaded trajectory, if the runner accepts only trajectories of one frame.
     by_frame: Option<Trajectory>,
-    waited: Duration,
     pub hello: Hello,
 }
-
-pub const NO_REPLY: &str = "the runner's answer is not a reply";
 
 /// Interval at which a waiting client checks for signals.
 const LOOK: Duration = Duration::from_millis(100);
@@ -107,22 +99,19 @@ impl Client {
             .map_err(|e| unavailable(format!("cannot start {program}: {e}{}", start.hint())))?;
         family::limit_memory(&child, start.memory_limit);
         processors::keep(child.id(), start.processor);
-        let (lines, begun) = output::lines(child.stdout.take());
+        let lines = output::lines(child.stdout.take());
         let errors = output::errors(child.stderr.take());
         let input = child.stdin.take();
         Ok(Client {
             child,
             input,
             lines,
-            begun,
             errors,
             time_limit: start.time_limit,
             memory_limit: start.memory_limit,
             samples: 0,
             frames: 1,
-            most_listed: None,
             by_frame: None,
-            waited: Duration::ZERO,
             hello: Hello::default(),
         })
     }
@@ -131,9 +120,19 @@ impl Client {
     pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
         let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
         let line = self.receive(limit).map_err(|failure| match failure.outcome {
-            Outcome::Timeout => Failure { reason: self.no_hello(limit), ..failure },
-            Outcome::Crashed if !failure.reason.starts_with(NO_REPLY) => {
-                let reason = format!("no hello (docs/PROTOCOL.md): {}", failure.reason);
+            Outcome::Timeout | Outcome::Crashed => {
+                let last = match self.last_line() {
+                    Some(last) if failure.outcome == Outcome::Timeout => {
+                        format!("; last line on standard error: {last}")
+                    }
+                    _ => String::new(),
+                };
+                let reason = format!(
+                    "no hello: {}; a runner first prints one line, \
+                     {{\"reply\":\"hello\",\"protocol\":{VERSION},...}}, and flushes it \
+                     (docs/PROTOCOL.md){last}",
+                    failure.reason
+                );
                 Failure { reason, ..failure }
             }
             _ => failure,
@@ -150,30 +149,6 @@ impl Client {
             ))),
             other => Err(broken(format!("the runner's first line is not hello but {other:?}"))),
         }
-    }
-
-    /// Returns why the first line did not arrive in time.
-    fn no_hello(&self, limit: Duration) -> String {
-        let begun = self.begun().unwrap_or_else(|| "it printed nothing on standard output".into());
-        let errors = self.errors();
-        let last = errors.lines().rfind(|line| !line.trim().is_empty());
-        let errors = last.map_or_else(String::new, |last| {
-            format!("; last line on standard error: {}", text::line(last))
-        });
-        format!(
-            "no hello within {} s: {begun}. A runner first prints one line, \
-             {{\"reply\":\"hello\",\"protocol\":{VERSION},...}}, and flushes it \
-             (docs/PROTOCOL.md){errors}",
-            limit.as_secs_f64()
-        )
-    }
-
-    /// Returns the beginning of a line whose end has not arrived, as a clause.
-    fn begun(&self) -> Option<String> {
-        let begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
-        let shown = output::shown(&begun);
-        let text = text::line(&shown);
-        (!begun.is_empty()).then(|| format!("it printed '{text}' without a line break"))
     }
 
     pub fn process(&self) -> u32 {
@@ -205,14 +180,13 @@ impl Client {
     }
 
     fn ask_one(&mut self, request: &Request) -> Result<Reply, Failure> {
-        let message = request
-            .message()
-            .map_err(|reason| Failure { outcome: Outcome::Unavailable, reason })?;
-        let reply = self.exchange(&message)?;
-        if let Some(what) = self.impossible(request, &reply) {
-            let reason = format!("the runner breaks the protocol: {what}");
-            return Err(Failure { outcome: Outcome::Crashed, reason });
-        }
+        let reply = self.exchange(request).map_err(|failure| match failure.outcome {
+            Outcome::Wrong => {
+                let reason = format!("the runner breaks the protocol: {}", failure.reason);
+                Failure { outcome: Outcome::Crashed, reason }
+            }
+            _ => failure,
+        })?;
         match reply {
             // The memory limit is checked here, too, because some systems do not enforce it.
             Reply::Memory(memory) if memory.peak_bytes > self.memory_limit => {
@@ -226,43 +200,33 @@ impl Client {
         }
     }
 
-    pub fn impossible(&self, request: &Request, reply: &Reply) -> Option<String> {
+    /// Sends a request and reads the reply. The failure has the outcome `wrong` if the reply breaks
+    /// the protocol.
+    pub fn exchange(&mut self, request: &Request) -> Result<Reply, Failure> {
+        let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
+        match request {
+            Request::Load(trajectory) => (self.samples, self.frames) = (0, trajectory.frames.len()),
+            Request::Sample { .. } => self.samples += 1,
+            _ => {}
+        }
         let min_ns = match request {
             // Only the first sample must reach min_ns, because it fixes the number of detections.
             Request::Sample { min_ns } if self.samples == 1 => *min_ns,
             _ => 0,
         };
-        let waited_ns = self.waited.as_nanos() as u64;
-        let memory_limit = Some(self.memory_limit).filter(|_| cfg!(target_os = "linux"));
-        let Client { frames, most_listed, .. } = *self;
-        let asked = Asked { min_ns, frames, waited_ns, memory_limit, most_listed };
-        possible::check(reply, &asked).err()
-    }
-
-    pub fn exchange(&mut self, message: &Value) -> Result<Reply, Failure> {
-        match message["request"].as_str() {
-            Some("load") => {
-                self.samples = 0;
-                self.frames = message["frames"].as_array().map_or(1, Vec::len);
-                let open = message["box"].is_null() && message["boxes"].is_null();
-                let n = message["n"].as_u64().filter(|_| open);
-                self.most_listed = n.map(|n| n.saturating_mul(n));
-            }
-            Some("sample") => self.samples += 1,
-            _ => {}
-        }
+        let line = serde_json::to_string(request)
+            .map_err(|error| broken(format!("cannot write the request as JSON: {error}")))?;
         let started = Instant::now();
-        let line = format!("{message}\n");
-        let sent = self
-            .input
-            .as_mut()
-            .map(|input| input.write_all(line.as_bytes()).and_then(|()| input.flush()));
+        let sent = self.input.as_mut().map(|input| writeln!(input, "{line}"));
         if !matches!(sent, Some(Ok(()))) {
             return Err(self.post_mortem());
         }
-        let reply = self.receive(self.time_limit);
-        self.waited = started.elapsed();
-        reply
+        let reply = self.receive(self.time_limit)?;
+        let waited_ns = started.elapsed().as_nanos() as u64;
+        let memory_limit = Some(self.memory_limit).filter(|_| cfg!(target_os = "linux"));
+        let asked = Asked { min_ns, frames: self.frames, waited_ns, memory_limit };
+        possible::check(&reply, &asked).map_err(broken)?;
+        Ok(reply)
     }
 
     /// Returns the contacts of a frame (by default the last), which the runner writes to `path`.
@@ -281,42 +245,33 @@ impl Client {
     }
 
     fn receive(&mut self, limit: Duration) -> Result<Reply, Failure> {
-        match self.wait(limit) {
-            Ok(line) => {
-                let line = line.map_err(|what| format!(" ({what}"));
-                let reply = line.and_then(|line| {
-                    let shown = || output::shown(line.as_bytes());
-                    serde_json::from_str(&line).map(Reply::cleaned).map_err(|e| {
-                        match line.trim_start().starts_with('{') {
-                            true => format!(" ({e}): {}", shown()),
-                            false => format!(
-                                ": it printed '{}'; a reply is one line of JSON, as \
-                                in docs/PROTOCOL.md, and other words go to standard error",
-                                shown()
-                            ),
-                        }
-                    })
-                });
-                match reply {
-                    Ok(Reply::Unavailable { reason }) => {
-                        Err(Failure { outcome: Outcome::Unavailable, reason })
-                    }
-                    Ok(reply) => Ok(reply),
-                    Err(what) => {
-                        self.kill();
-                        let reason = format!("{NO_REPLY}{}", text::line(&what));
-                        Err(Failure { outcome: Outcome::Crashed, reason })
-                    }
-                }
-            }
-            Err(RecvTimeoutError::Disconnected) => Err(self.post_mortem()),
+        let line = match self.wait(limit) {
+            Ok(line) => line,
+            Err(RecvTimeoutError::Disconnected) => return Err(self.post_mortem()),
             Err(RecvTimeoutError::Timeout) => {
                 self.kill();
-                let begun = self.begun().map_or_else(String::new, |begun| format!("; {begun}"));
-                Err(Failure {
-                    outcome: Outcome::Timeout,
-                    reason: format!("no answer within {} s{begun}", limit.as_secs_f64()),
-                })
+                let reason = format!("no answer within {} s", limit.as_secs_f64());
+                return Err(Failure { outcome: Outcome::Timeout, reason });
+            }
+        };
+        let reply = line.and_then(|line| {
+            serde_json::from_str(&line).map(Reply::cleaned).map_err(|error| {
+                let shown = output::shown(line.as_bytes());
+                format!(
+                    "it printed '{shown}' ({error}); a reply is one line of JSON, as in \
+                     docs/PROTOCOL.md, and other words go to standard error"
+                )
+            })
+        });
+        match reply {
+            Ok(Reply::Unavailable { reason }) => {
+                Err(Failure { outcome: Outcome::Unavailable, reason })
+            }
+            Ok(reply) => Ok(reply),
+            Err(what) => {
+                self.kill();
+                let reason = format!("the runner's answer is not a reply: {}", text::line(&what));
+                Err(Failure { outcome: Outcome::Wrong, reason })
             }
         }
     }
@@ -351,13 +306,19 @@ impl Client {
                 .iter()
                 .any(|words| line.contains(words))
         };
-        let last = || errors.lines().rfind(|line| !line.trim().is_empty());
         let (outcome, last) = match errors.lines().rfind(starved) {
-            Some(line) => (Outcome::OutOfMemory, Some(line)),
-            None => (Outcome::Crashed, last()),
+            Some(line) => (Outcome::OutOfMemory, Some(text::line(line).into_owned())),
+            None => (Outcome::Crashed, self.last_line()),
         };
-        let words = last.map_or_else(String::new, |last| format!(": {}", text::line(last)));
+        let words = last.map_or_else(String::new, |last| format!(": {last}"));
         Failure { outcome, reason: format!("{status}{words}") }
+    }
+
+    /// Returns the last line of the runner's standard error.
+    fn last_line(&self) -> Option<String> {
+        let errors = self.errors();
+        let last = errors.lines().rfind(|line| !line.trim().is_empty())?;
+        Some(text::line(last).into_owned())
     }
 
     fn ends_within(&mut self, limit: Duration) -> Option<ExitStatus> {

@@ -1,7 +1,7 @@
 //! Reads a runner's standard output, at most one line ahead, and the end of its standard error. So
 //! neither can fill the memory.
 
-use std::io::{BufRead, BufReader, ErrorKind, Read};
+use std::io::{BufRead, BufReader, Read};
 use std::process::{ChildStderr, ChildStdout};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,68 +9,37 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) type Line = Result<String, String>;
 
 /// Maximum length of a line, in bytes.
-const LONGEST_LINE: usize = 1 << 20;
+const LONGEST_LINE: u64 = 1 << 20;
 const SHOWN: usize = 320;
 /// Maximum size of the kept end of standard error, in bytes; it has the reason for a crash.
 const KEPT: usize = 1 << 16;
 
-/// The beginning of a line whose end has not arrived.
-pub(super) type Begun = Arc<Mutex<Vec<u8>>>;
-
 /// Returns the lines of a runner. One line is read ahead; a runner that writes more must wait.
-pub(super) fn lines(output: Option<ChildStdout>) -> (Receiver<Line>, Begun) {
+pub(super) fn lines(output: Option<ChildStdout>) -> Receiver<Line> {
     let (sender, lines) = sync_channel(1);
-    let begun = Begun::default();
-    let seen = begun.clone();
     std::thread::spawn(move || {
-        let Some(output) = output else { return };
-        let mut output = BufReader::new(output);
+        let mut output = BufReader::new(output?);
         loop {
-            let bytes = next(&mut output, &seen);
-            if bytes.is_empty() {
-                return;
-            }
-            let line = line(bytes);
+            let mut bytes = Vec::new();
+            let read = output.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut bytes).ok()?;
+            let line = if read == 0 { return None } else { line(bytes) };
             // Reading stops at an invalid line, because the start of the next one is unknown.
             let last = line.is_err();
             if sender.send(line).is_err() || last {
-                return;
+                return Some(());
             }
         }
     });
-    (lines, begun)
-}
-
-/// Reads up to the end of a line, at most [`LONGEST_LINE`] bytes; nothing at the output's end.
-fn next(output: &mut impl BufRead, begun: &Mutex<Vec<u8>>) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    while bytes.len() < LONGEST_LINE && !bytes.ends_with(b"\n") {
-        let part = match output.fill_buf() {
-            Ok([]) => break,
-            Ok(part) => part,
-            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
-            Err(_) => return Vec::new(),
-        };
-        let end = part.iter().position(|&byte| byte == b'\n').map_or(part.len(), |at| at + 1);
-        let read = end.min(LONGEST_LINE - bytes.len());
-        bytes.extend_from_slice(&part[..read]);
-        output.consume(read);
-        let mut begun = begun.lock().unwrap_or_else(PoisonError::into_inner);
-        begun.clear();
-        if !bytes.ends_with(b"\n") {
-            begun.extend_from_slice(&bytes[..bytes.len().min(SHOWN)]);
-        }
-    }
-    bytes
+    lines
 }
 
 fn line(bytes: Vec<u8>) -> Line {
-    if bytes.len() == LONGEST_LINE && !bytes.ends_with(b"\n") {
-        return Err(format!("it is longer than 1 MiB): {}", shown(&bytes)));
+    if bytes.len() as u64 == LONGEST_LINE && !bytes.ends_with(b"\n") {
+        return Err(format!("it is longer than 1 MiB: {}", shown(&bytes)));
     }
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to() + 1;
-        format!("byte {at} is not UTF-8): {}", shown(error.as_bytes()))
+        format!("byte {at} is not UTF-8: {}", shown(error.as_bytes()))
     })
 }
 
