@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use contactbench_ground::periodic::ImagePair;
 use contactbench_ground::scene::AnyScene;
-use contactbench_run::check::subject::{Answer, CheckedSubject};
+use contactbench_run::check::answer::Answer;
+use contactbench_run::check::subject::CheckedSubject;
 use contactbench_run::check::{Failure as Found, Limits, Verdict, Wrong, battery};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::{PyException, PyMemoryError, PyNotImplementedError};

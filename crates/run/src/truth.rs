@@ -44,3 +44,31 @@ pub(crate) fn depth(scene: &Loaded<'_>, pair: ImagePair) -> f64 {
         Loaded::InBox(periodic) => periodic::depth(periodic, pair),
     }
 }
+
+/// How a list differs from the truth in one pair.
+#[derive(Clone, Copy)]
+pub(crate) enum Difference {
+    Missed,
+    Added,
+    Repeated,
+}
+
+/// Calls `each` for the pairs in which a sorted list differs from the sorted truth.
+pub(crate) fn differences<C: Copy + Ord>(
+    listed: &[C],
+    truth: &[C],
+    mut each: impl FnMut(Difference, C),
+) {
+    let mut truth = truth.iter().copied().peekable();
+    for same in listed.chunk_by(|a, b| a == b) {
+        let pair = same[0];
+        while let Some(missed) = truth.next_if(|&it| it < pair) {
+            each(Difference::Missed, missed);
+        }
+        if truth.next_if_eq(&pair).is_none() {
+            each(Difference::Added, pair);
+        }
+        same[1..].iter().for_each(|&pair| each(Difference::Repeated, pair));
+    }
+    truth.for_each(|pair| each(Difference::Missed, pair));
+}

@@ -2,9 +2,10 @@ use std::mem::discriminant;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::answer::{Question, Respondent};
 use super::cases::Scene;
 use super::shrink::shrink;
-use super::subject::{CheckedSubject, Question, Respondent};
+use super::subject::CheckedSubject;
 use super::{Failure, Limits, MOST_BYTES, Report, Wrong};
 use crate::truth::truth;
 use contactbench_detectors::oracle::NoTruth;

@@ -10,6 +10,7 @@
 //! of the program that calls this crate. `verify` compares a contact list of another program with
 //! the truth.
 
+pub mod answer;
 pub mod bytes;
 mod cases;
 mod checker;

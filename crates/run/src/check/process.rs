@@ -10,7 +10,7 @@ use std::time::Duration;
 use anyhow::{anyhow, bail, ensure};
 use tempfile::TempDir;
 
-use crate::check::subject::{Answer, Question, Respondent};
+use crate::check::answer::{Answer, Question, Respondent};
 use crate::check::{Differences, Wrong};
 use crate::run::machine::disk;
 use crate::run::runner::client::{Client, Failure, Start};

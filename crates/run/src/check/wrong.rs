@@ -1,6 +1,7 @@
 use std::fmt;
 use std::time::Duration;
 
+use crate::truth::{Difference, differences};
 use contactbench_ground::pairs::sink::Digest;
 use contactbench_ground::periodic::ImagePair;
 
@@ -45,16 +46,14 @@ impl Differences {
     /// ascending.
     pub fn new(mut reported: Vec<ImagePair>, truth: &[ImagePair]) -> Differences {
         reported.sort_unstable();
-        let duplicate: Vec<ImagePair> =
-            reported.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
-        reported.dedup();
-        let without = |pairs: &[ImagePair], others: &[ImagePair]| {
-            let absent = |pair: &ImagePair| others.binary_search(pair).is_err();
-            pairs.iter().copied().filter(absent).collect::<Vec<_>>()
-        };
-        let of_itself = |pair: &ImagePair| pair.i == pair.j && pair.image == [0; 3];
-        let (selves, spurious) = without(&reported, truth).into_iter().partition(of_itself);
-        Differences { missed: without(truth, &reported), spurious, selves, duplicate }
+        let mut all = Differences::default();
+        differences(&reported, truth, |kind, pair| match kind {
+            Difference::Missed => all.missed.push(pair),
+            Difference::Added if pair.i == pair.j && pair.image == [0; 3] => all.selves.push(pair),
+            Difference::Added => all.spurious.push(pair),
+            Difference::Repeated => all.duplicate.push(pair),
+        });
+        all
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
+use crate::truth::{Difference, differences};
 use contactbench_ground::periodic::ImagePair;
 
 /// Contacts that were not reported in a frame in which they existed.
@@ -39,16 +40,10 @@ impl Late {
             return 0;
         }
         let (mut spurious, mut missed) = (0, Vec::new());
-        let mut reports = reported.iter().copied().peekable();
-        for &contact in truth {
-            while reports.next_if(|&report| report < contact).is_some() {
-                spurious += 1;
-            }
-            if reports.next_if_eq(&contact).is_none() {
-                missed.push([contact.i, contact.j]);
-            }
-        }
-        spurious += reports.count() as u64;
+        differences(reported, truth, |kind, pair| match kind {
+            Difference::Missed => missed.push([pair.i, pair.j]),
+            Difference::Added | Difference::Repeated => spurious += 1,
+        });
         self.note(k, &missed, |&particles| {
             let start = truth.partition_point(|pair| [pair.i, pair.j] < particles);
             let images = truth[start..].iter().take_while(|pair| [pair.i, pair.j] == particles);

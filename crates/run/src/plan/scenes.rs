@@ -61,24 +61,14 @@ fn generators(experiment: &Experiment) -> impl Iterator<Item = &'static Generato
 fn bounded(experiment: &Experiment, sweeps: &[SceneSweep]) -> anyhow::Result<()> {
     let mut scenes = 0u64;
     for sweep in sweeps {
-        let factors = factors(sweep);
-        let product = factors.iter().fold(1, |all, (_, count)| count.saturating_mul(all));
-        scenes = scenes.saturating_add(product);
-        if scenes > MOST_SCENES {
-            let factors: Vec<String> = factors
-                .into_iter()
-                .filter(|(_, count)| *count > 1)
-                .map(|(name, count)| format!("{count} values of {name}"))
-                .collect();
-            let sum = if scenes > product { " with those above" } else { "" };
-            let of = if factors.is_empty() { String::new() } else { factors.join(" x ") + ": " };
-            bail!(
-                "line {}: scene {}: {of}{scenes} scenes{sum}, and an experiment has at most \
-                 {MOST_SCENES}; shorten a list",
-                sweep.line,
-                sweep.name
-            );
-        }
+        scenes = scenes.saturating_add(product_len(sweep));
+        ensure!(
+            scenes <= MOST_SCENES,
+            "line {}: scene {}: {scenes} scenes with those above, and an experiment has at most \
+             {MOST_SCENES}; shorten a list",
+            sweep.line,
+            sweep.name
+        );
     }
     let names = experiment.detectors.len().saturating_mul(experiment.arithmetics.len());
     let most =
@@ -113,18 +103,16 @@ pub(super) fn relative_to(sweep: &mut SceneSweep, folder: &Path) -> anyhow::Resu
     Ok(())
 }
 
-fn factors(sweep: &SceneSweep) -> Vec<(&str, u64)> {
-    let len = |list: &[toml::Value]| list.len() as u64;
-    let all_cases = takes_all_cases(sweep);
+fn product_len(sweep: &SceneSweep) -> u64 {
     let own = [
-        ("n", sweep.n.as_ref().map_or(1, |list| list.len() as u64)),
-        ("dim", sweep.dim.len() as u64),
-        ("seed", sweep.seed.len() as u64),
-        ("order", sweep.order.len() as u64),
-        ("case", if all_cases { hard::cases().count() as u64 } else { 1 }),
+        sweep.n.as_ref().map_or(1, |list| list.len()),
+        sweep.dim.len(),
+        sweep.seed.len(),
+        sweep.order.len(),
+        if takes_all_cases(sweep) { hard::cases().count() } else { 1 },
     ];
-    let params = sweep.params.iter().map(|(name, list)| (name.as_str(), len(list)));
-    own.into_iter().chain(params).collect()
+    let lens = own.into_iter().chain(sweep.params.values().map(|list| list.len()));
+    lens.fold(1, |all, len| all.saturating_mul(len as u64))
 }
 
 fn takes_all_cases(sweep: &SceneSweep) -> bool {

@@ -12,12 +12,12 @@
 use std::time::{Duration, Instant};
 
 use crate::recommend::subject::{HOPELESS, Race, RacedSubject, drop_slow};
-use crate::run::bench::{self, Bench, sample};
 use crate::run::judge::Said;
 use crate::run::machine::disk;
 use crate::run::machine::processors;
-use crate::run::passes::{SHORTEST_SAMPLE_NS, measure};
 use crate::run::runner::client::{Client, Failure, Start};
+use crate::run::stage::bench::{self, Bench, sample};
+use crate::run::stage::passes::{SHORTEST_SAMPLE_NS, measure};
 use crate::run::subject;
 use anyhow::bail;
 use contactbench_detectors::table::{Entry, Role, TABLE};

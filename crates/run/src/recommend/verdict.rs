@@ -12,9 +12,8 @@ const LEANER: f64 = 1.2;
 pub struct Verdict {
     pub choice: usize,
     pub next: Option<(usize, Interval)>,
-    /// Other detectors that are undecided against the fastest, and the ratios of their times to
-    /// that of the choice.
-    pub tied: Vec<(usize, Option<Interval>)>,
+    /// Other detectors that are undecided against the fastest.
+    pub tied: Vec<usize>,
     pub is_fastest: bool,
     /// Factor by which times of equal code differ; `None` without a twin.
     pub floor: Option<f64>,
@@ -44,10 +43,9 @@ impl Verdict {
             .filter_map(|k| Some((k, against(k, choice)?)))
             .filter(|(_, ratio)| sure(*ratio));
         let next = next.min_by(|a, b| a.1.median.total_cmp(&b.1.median));
-        let tied =
-            near.into_iter().filter(|&k| k != choice).map(|k| (k, against(k, choice))).collect();
+        near.retain(|&k| k != choice);
         let floor = race.twin.map(|_| noise.floor);
-        Some(Verdict { choice, next, tied, is_fastest: choice == best, floor })
+        Some(Verdict { choice, next, tied: near, is_fastest: choice == best, floor })
     }
 }
 

@@ -25,7 +25,7 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
         bytes_per_particle(choice, n).map(|bytes| format!("{} bytes per particle", number(bytes)));
     let parts: Vec<String> = time.into_iter().chain(bytes).chain([error(choice)]).collect();
     let mut lines = vec![format!("{}: {}", name(verdict.choice), parts.join("; "))];
-    let tied: Vec<&str> = verdict.tied.iter().map(|(k, _)| name(*k)).collect();
+    let tied: Vec<&str> = verdict.tied.iter().map(|&k| name(k)).collect();
     if !tied.is_empty() {
         let why = if verdict.is_fastest { "has the shortest median" } else { "needs less memory" };
         lines.push(format!(
@@ -75,7 +75,7 @@ pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
     });
     let next =
         |(k, ratio): &(usize, Interval)| json!({ "detector": name(*k), "ratio": numbers(*ratio) });
-    let tied = |verdict: &Verdict| verdict.tied.iter().map(|(k, _)| name(*k)).collect::<Vec<_>>();
+    let tied = |verdict: &Verdict| verdict.tied.iter().map(|&k| name(k)).collect::<Vec<_>>();
     json!({
         "use": verdict.map(|verdict| name(verdict.choice)),
         "because": verdict.map(|verdict| sentence(verdict, race, n)),

@@ -1,12 +1,8 @@
 //! Runs experiments: a process for each subject, judged answers, and rows in the record.
 
-pub(crate) mod bench;
-mod block;
-mod copies;
 pub mod judge;
 pub mod machine;
 pub mod origins;
-pub mod passes;
 pub mod plan;
 pub mod runner;
 pub mod session;

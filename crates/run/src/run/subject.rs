@@ -50,16 +50,11 @@ pub fn own(
     threads: usize,
     limit: u64,
 ) -> Vec<String> {
-    let mut command = program.to_vec();
-    command.extend(["runner".into(), "--detector".into(), detector.to_string()]);
-    command.extend([
-        "--arithmetic".into(),
-        arithmetic.name().into(),
-        "--threads".into(),
-        threads.to_string(),
-    ]);
-    command.extend(["--memory-limit".into(), limit.to_string()]);
-    command
+    let [threads, limit] = [threads as u64, limit].map(|number| number.to_string());
+    let options = [("detector", detector), ("arithmetic", arithmetic.name())];
+    let options = options.into_iter().chain([("threads", &*threads), ("memory-limit", &limit)]);
+    let options = options.flat_map(|(name, value)| [format!("--{name}"), value.into()]);
+    program.iter().cloned().chain(["runner".into()]).chain(options).collect()
 }
 
 /// Fails unless `program` starts a runner as builds of this program do.

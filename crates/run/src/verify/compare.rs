@@ -1,5 +1,6 @@
 //! Compares a contact list with the true contacts.
 
+use crate::truth::{Difference, differences};
 use crate::verify::listing::Listing;
 use contactbench_detectors::oracle::Errors;
 use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, depth};
@@ -152,29 +153,6 @@ fn several(contacts: &ContactList) -> bool {
     let same = |w: &[ImagePair]| (w[0].i, w[0].j) == (w[1].i, w[1].j);
     shifted.windows(2).any(same)
         || shifted.iter().any(|pair| plain.binary_search(&[pair.i, pair.j]).is_ok())
-}
-
-#[derive(Clone, Copy)]
-enum Difference {
-    Missed,
-    Added,
-    Repeated,
-}
-
-/// Calls `each` for the pairs in which a sorted list differs from the sorted truth.
-fn differences<C: Copy + Ord>(listed: &[C], truth: &[C], mut each: impl FnMut(Difference, C)) {
-    let mut truth = truth.iter().copied().peekable();
-    for same in listed.chunk_by(|a, b| a == b) {
-        let pair = same[0];
-        while let Some(missed) = truth.next_if(|&it| it < pair) {
-            each(Difference::Missed, missed);
-        }
-        if truth.next_if_eq(&pair).is_none() {
-            each(Difference::Added, pair);
-        }
-        same[1..].iter().for_each(|&pair| each(Difference::Repeated, pair));
-    }
-    truth.for_each(|pair| each(Difference::Missed, pair));
 }
 
 #[derive(Clone, Debug, Default)]

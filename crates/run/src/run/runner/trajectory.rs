@@ -79,49 +79,32 @@ impl Trajectory {
         })
     }
 
-    pub fn write_all<'a>(
-        folder: &Path,
-        scenes: impl Iterator<Item = &'a Given>,
-    ) -> anyhow::Result<Vec<Trajectory>> {
-        let path = |k| folder.join(format!("scene-{k}.npy"));
-        scenes.enumerate().map(|(k, given)| Trajectory::write_at_rest(&path(k), given)).collect()
-    }
-
+    /// Writes the first `count` frames of a motion. Fails if only some frames have a box.
     pub fn write_moving(
         folder: &Path,
         frames: &mut Frames,
         count: u64,
     ) -> anyhow::Result<Trajectory> {
-        let mut all = None;
+        let (mut all, mut boxes) = (None::<Trajectory>, Vec::new());
         for k in 0..count {
             interrupt::check()?;
             let path = folder.join(format!("frame-{k}.npy"));
             let next = Trajectory::write_at_rest(&path, &frames.at(k)?)?;
-            Trajectory::append(&mut all, next)?;
+            boxes.extend(next.in_box.clone());
+            match &mut all {
+                Some(all) => all.frames.extend(next.frames),
+                None => all = Some(next),
+            }
         }
-        all.context("a trajectory has at least one frame")
-    }
-
-    /// Appends a frame of the same particles. Fails if only one of `all` and `next` has a box.
-    pub fn append(all: &mut Option<Trajectory>, mut next: Trajectory) -> anyhow::Result<()> {
-        let Some(all) = all else {
-            *all = Some(next);
-            return Ok(());
-        };
+        let mut all = all.context("a trajectory has at least one frame")?;
         ensure!(
-            all.box_dim() == next.box_dim(),
-            "frame {}: some frames have a box, others none; take the frames before (--frames)",
-            all.frames.len()
+            boxes.is_empty() || boxes.len() == all.frames.len(),
+            "some frames have a box, others none; take the frames before (--frames)"
         );
-        if all.boxes.is_empty() && all.in_box != next.in_box {
-            let before = all.in_box.take().into_iter();
-            all.boxes = before.cycle().take(all.frames.len()).collect();
+        if boxes.iter().any(|one| *one != boxes[0]) {
+            (all.in_box, all.boxes) = (None, boxes);
         }
-        if !all.boxes.is_empty() {
-            all.boxes.extend(next.in_box.take());
-        }
-        all.frames.append(&mut next.frames);
-        Ok(())
+        Ok(all)
     }
 
     pub fn at_rest(&self, k: usize) -> Trajectory {

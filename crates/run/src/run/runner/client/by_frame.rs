@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::run::passes::astray;
 use crate::run::runner::client::{Client, Failure};
 use crate::run::runner::protocol::{Counted, Memory, Reply, Request, Sample, Steps};
 use crate::run::runner::trajectory::Trajectory;
+use crate::run::stage::passes::astray;
 use contactbench_record::record::row::Outcome;
 
 /// Requests every frame, and combines the replies to one. Each frame is loaded on its own, so the

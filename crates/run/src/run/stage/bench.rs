@@ -9,10 +9,10 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::moving::Moved;
 use crate::run::judge::{Judge, Judged, Said, Tracked};
-use crate::run::passes::astray;
 use crate::run::runner::client::{Client, Failure, Start};
 use crate::run::runner::protocol::{Hello, Reply, Request, Sample};
 use crate::run::runner::trajectory::Trajectory;
+use crate::run::stage::passes::astray;
 use contactbench_io::Given;
 use contactbench_record::record::row::Outcome;
 use contactbench_scenes::motion::Frames;
@@ -36,7 +36,10 @@ impl<'a> Bench<'a> {
         memory_limit: u64,
     ) -> anyhow::Result<Bench<'a>> {
         let judge = Judge::new(given, memory_limit)?;
-        let loads = Trajectory::write_all(folder, history.iter().chain([given]))?;
+        let written =
+            |(k, scene)| Trajectory::write_at_rest(&folder.join(format!("scene-{k}.npy")), scene);
+        let loads = history.iter().chain([given]).enumerate().map(written);
+        let loads = loads.collect::<anyhow::Result<_>>()?;
         Ok(Bench { judge, loads, folder, is_moving: false })
     }
 

@@ -7,12 +7,12 @@
 
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::run::bench::{Bench, sample};
 use crate::run::machine::pulse::pulse;
-use crate::run::passes::{Running, SHORTEST_SAMPLE_NS};
 use crate::run::runner::client::{Client, Failure};
 use crate::run::runner::protocol::Sample;
 use crate::run::stage::Stage;
+use crate::run::stage::bench::{Bench, sample};
+use crate::run::stage::passes::{Running, SHORTEST_SAMPLE_NS};
 use contactbench_record::record::row::{Outcome, Pass, Row};
 
 const TURN_NS: u64 = 500_000;

@@ -5,7 +5,6 @@
 //! changes its time by up to a fifth, for as long as the process lives. Blocks within one process
 //! would repeat the same position, and make equal code look different.
 
-use crate::run::bench::Bench;
 use crate::run::judge::{Said, Tracked};
 use crate::run::machine::interrupt;
 use crate::run::machine::processors;
@@ -13,6 +12,7 @@ use crate::run::plan::describe;
 use crate::run::runner::client::{Client, Failure, Start};
 use crate::run::runner::protocol::{Found, Hello, Reply, Request, Sample, Steps};
 use crate::run::stage::Stage;
+use crate::run::stage::bench::Bench;
 use crate::run::subject::Subject;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_record::record::role::Role;
@@ -82,7 +82,7 @@ impl Stage<'_, '_> {
         mut blank: Row,
         bench: &mut Bench<'_>,
     ) -> anyhow::Result<Option<Running>> {
-        if self.too_slow(&blank)? {
+        if self.too_slow("", &blank, &Pass::ALL)? {
             return Ok(None);
         }
         let (mut client, arithmetic) = match start(&subject) {
@@ -95,7 +95,7 @@ impl Stage<'_, '_> {
         // A runner reports its arithmetic only when it is started.
         blank.id.arithmetic = arithmetic.name().into();
         blank.process = self.log.origins.process(&subject, &client)?;
-        if self.give_up(&blank)? || self.too_slow(&blank)? {
+        if self.give_up(&blank)? || self.too_slow("", &blank, &Pass::ALL)? {
             return Ok(None);
         }
         if let Err(failure) = bench.load(&mut client) {

@@ -5,20 +5,24 @@
 //! requests it, copies of a subject with several threads follow. Rows already in the record are not
 //! measured again.
 
+pub(crate) mod bench;
+mod block;
+mod copies;
+pub(crate) mod passes;
+
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Instant;
 
 use crate::moving::Moved;
 use crate::plan::memory_limit;
-use crate::run::bench::{Bench, race};
-use crate::run::block;
 use crate::run::machine::interrupt;
 use crate::run::machine::load::Watch;
 use crate::run::origins::Origins;
-use crate::run::passes::Running;
 use crate::run::plan::{self, Job, describe};
 use crate::run::runner::client::Failure;
+use crate::run::stage::bench::{Bench, race};
+use crate::run::stage::passes::Running;
 use crate::run::subject::{Subject, subjects};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::scene::SceneError;
@@ -271,23 +275,19 @@ impl Stage<'_, '_> {
     /// killed run has left out.
     pub fn give_up(&mut self, blank: &Row) -> anyhow::Result<bool> {
         let Some(last) = self.index.ended(blank) else { return Ok(false) };
-        for &pass in last.pass.owed() {
-            // The failed process is recorded as the origin of these rows, too.
-            let Row { outcome, ref reason, ref process, .. } = *last;
-            let (reason, process) = (reason.clone(), process.clone());
-            let row = Row { pass, outcome, reason, process, ..blank.clone() };
-            if !self.index.has(&row) {
-                self.write(&row)?;
-            }
-        }
+        // The failed process is recorded as the origin of these rows, too.
+        let blank = Row { process: last.process.clone(), ..blank.clone() };
+        let failure = Failure { outcome: last.outcome, reason: last.reason.clone() };
+        self.write_missing(&blank, &failure, last.pass.owed())?;
         Ok(true)
     }
 
-    /// Whether the detector was too slow with fewer particles; if so, writes rows that state it.
-    pub fn too_slow(&mut self, blank: &Row) -> anyhow::Result<bool> {
+    /// Whether the detector, or `what` of it, was too slow with fewer particles; if so, writes rows
+    /// of these passes that state it.
+    pub fn too_slow(&mut self, what: &str, blank: &Row, passes: &[Pass]) -> anyhow::Result<bool> {
         let Some(n) = self.log.too_slow.at(blank) else { return Ok(false) };
-        let reason = format!("not tried: over the time limit at N = {n} already");
-        self.fail(blank, Failure { outcome: Outcome::Timeout, reason }, &Pass::ALL)?;
+        let reason = format!("{what}not tried: over the time limit at N = {n} already");
+        self.fail(blank, Failure { outcome: Outcome::Timeout, reason }, passes)?;
         Ok(true)
     }
 
@@ -310,13 +310,19 @@ impl Stage<'_, '_> {
         if failure.outcome == Outcome::Crashed {
             self.note_first("CRASHED", blank, &failure.reason);
         }
+        self.write_missing(blank, &failure, passes)
+    }
+
+    /// Writes the rows of a failure that the record does not have yet.
+    fn write_missing(
+        &mut self,
+        blank: &Row,
+        failure: &Failure,
+        passes: &[Pass],
+    ) -> anyhow::Result<()> {
         for &pass in passes {
-            let row = Row {
-                pass,
-                outcome: failure.outcome,
-                reason: failure.reason.clone(),
-                ..blank.clone()
-            };
+            let Failure { outcome, reason } = failure.clone();
+            let row = Row { pass, outcome, reason, ..blank.clone() };
             if !self.index.has(&row) {
                 self.write(&row)?;
             }

@@ -10,12 +10,12 @@
 use std::sync::Barrier;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::run::bench::{Bench, sample};
 use crate::run::machine::processors;
-use crate::run::passes::{Running, say};
 use crate::run::runner::client::{Client, Failure, Start};
 use crate::run::runner::protocol::Sample;
 use crate::run::stage::Stage;
+use crate::run::stage::bench::{Bench, sample};
+use crate::run::stage::passes::{Running, say};
 use contactbench_record::record::row::{Outcome, Pass, Row};
 
 /// Length of a sample of a copy. It is longer than other samples, because a copy is idle for some
@@ -31,16 +31,11 @@ impl Stage<'_, '_> {
     /// Returns the command of the copies, if requested. If they are too slow to try, writes a row.
     pub fn copy(&mut self, running: &Running) -> anyhow::Result<Option<Start>> {
         let blank = Row { pass: Pass::Ceiling, ..running.blank.clone() };
-        let Some(start) = running.subject.copy.clone().filter(|_| !self.no_ceiling(&blank)) else {
-            return Ok(None);
-        };
-        if let Some(n) = self.log.too_slow.at(&blank) {
-            let reason = format!("copies not tried: over the time limit at N = {n} already");
-            let failure = Failure { outcome: Outcome::Timeout, reason };
-            self.fail(&blank, failure, Pass::Ceiling.rest())?;
+        let start = running.subject.copy.clone().filter(|_| !self.no_ceiling(&blank));
+        if start.is_some() && self.too_slow("copies ", &blank, Pass::Ceiling.rest())? {
             return Ok(None);
         }
-        Ok(Some(start))
+        Ok(start)
     }
 
     /// Takes one sample of all copies at once. After a failure, the copies are given up, but the
