@@ -11,7 +11,7 @@ use contactbench_report::table::Table;
 use contactbench_run::moving::Late;
 use contactbench_run::verify::frame::Verified;
 use contactbench_run::verify::frames::{All, Row, counted};
-use contactbench_run::verify::{Meaning, Taken};
+use contactbench_run::verify::{Meaning, Reading, Taken};
 use contactbench_scenes::touching::particle;
 use contactbench_terms::number::{mean_radii, number, plural};
 
@@ -34,17 +34,17 @@ pub(super) fn print(options: &Verify, all: &All) -> std::io::Result<()> {
     if let Some((which, hint)) = &all.hint {
         let from = if all.several { format!(", from {which}") } else { String::new() };
         out.gap();
-        out.text(format!("hint{from}: {}", hint.sentence));
+        out.text(format!("hint{from}: {}", hint.advice()));
     }
     if let Some((_, one)) = one {
-        let flags = hint.map(|hint| &hint.flags).filter(|flags| !flags.is_empty());
-        out.values(json!({ "hint": flags, "reading": hint.map(|hint| &hint.sentence) }));
+        let flags = hint.map(|hint| hint.mistake.flags()).filter(|flags| !flags.is_empty());
+        out.values(json!({ "hint": flags, "reading": hint.map(Reading::advice) }));
         let (errors, found) = (one.found.errors, &one.found);
         let shown = hint.is_none_or(|hint| hint.wrong > 0);
         worst(&mut out, one, ("missed", "overlap"), &found.missed, errors.missed, shown);
         worst(&mut out, one, ("spurious", "gap"), &found.spurious, errors.spurious, shown);
     } else {
-        out.values(json!({ "hint": hint.map(|hint| &hint.sentence) }));
+        out.values(json!({ "hint": hint.map(Reading::advice) }));
     }
     out.print()
 }

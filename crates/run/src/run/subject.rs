@@ -23,7 +23,7 @@ const PROGRAM_BYTES: u64 = 1 << 30;
 /// reserves for it.
 const THREAD_BYTES: u64 = 128 << 20;
 
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Subject {
     pub name: String,
     pub arithmetic: Option<Arithmetic>,
@@ -161,17 +161,7 @@ fn suffixed(spec: &str, suffix: &str) -> String {
 impl Subject {
     fn new(planned: &PlannedSubject, start: Start) -> Subject {
         let PlannedSubject { name, role, arithmetic, threads } = planned.clone();
-        Subject {
-            name,
-            arithmetic,
-            role,
-            may_miss: false,
-            threads,
-            start,
-            copy: None,
-            missing: None,
-            duet: None,
-        }
+        Subject { name, arithmetic, role, threads, start, ..Subject::default() }
     }
 
     fn twin(&self) -> Subject {

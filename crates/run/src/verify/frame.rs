@@ -80,16 +80,8 @@ pub struct Verified {
     /// The particles, in their box if there is one.
     pub space: Periodic<'static>,
     pub found: Verification,
-    pub hint: Option<Hint>,
-}
-
-/// A way to read the files so that fewer pairs differ.
-pub struct Hint {
-    pub sentence: String,
-    /// The options of `verify` for it; empty if there are none.
-    pub flags: String,
-    /// Number of pairs that still differ.
-    pub wrong: u64,
+    /// A way to read the files so that fewer pairs differ.
+    pub hint: Option<Reading>,
 }
 
 impl Verified {
@@ -134,11 +126,10 @@ impl Verified {
         let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
         let job = Job { space: &space, list: listed, naming: &naming, others: &others, terms };
         let found = verify::verify(&job)?;
-        let reading = match explain {
+        let hint = match explain {
             true => verify::explain(&job, &found)?,
             false => None,
         };
-        let hint = reading.map(|reading| Hint::new(&reading));
         Ok(Verified { list, naming: naming.meaning(), ids, space, found, hint })
     }
 
@@ -194,12 +185,4 @@ fn open(asked: &Asked<'_>, list: &mut List, has_box: bool) -> anyhow::Result<()>
          open here; {remedy}, or --pairs-columns I,J if these columns are not images",
         asked.pairs.display()
     );
-}
-
-impl Hint {
-    fn new(reading: &Reading) -> Hint {
-        let flags = reading.mistake.flags();
-        let add = if flags.is_empty() { String::new() } else { format!(": add {flags}") };
-        Hint { sentence: reading.sentence() + &add, flags, wrong: reading.wrong }
-    }
 }

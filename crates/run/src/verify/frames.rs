@@ -6,9 +6,9 @@ use std::collections::HashMap;
 use anyhow::bail;
 
 use crate::moving::Late;
-use crate::verify::frame::{Asked, Hint, Verified};
+use crate::verify::frame::{Asked, Verified};
 use crate::verify::paired::Matched;
-use crate::verify::{Meaning, Taken, Verification, WORST};
+use crate::verify::{Meaning, Reading, Taken, Verification, WORST};
 use contactbench_detectors::oracle::Errors;
 use contactbench_ground::periodic::depth;
 use contactbench_io::pairs::List;
@@ -61,7 +61,7 @@ pub struct All {
     /// Names of ignored columns.
     pub others: Vec<String>,
     /// The first wrong frame and its hint.
-    pub hint: Option<(String, Hint)>,
+    pub hint: Option<(String, Reading)>,
 }
 
 impl All {

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 
 use anyhow::{Context, bail};
 
+use crate::verify::Job;
 use contactbench_ground::periodic::{ContactList, ImagePair};
 use contactbench_io as io;
-use contactbench_io::Groups;
 
 /// Two particles by their numbers or ids in the list.
 pub type NamedPair = [i64; 2];
@@ -77,14 +77,6 @@ impl Naming {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Taking<'a> {
-    pub naming: &'a Naming,
-    /// Whether the list has each pair in both directions, which count as one.
-    pub both_sides: bool,
-    pub without: Option<&'a Groups>,
-}
-
 #[derive(Clone, Debug, Default)]
 pub(super) struct Listing {
     pub contacts: ContactList,
@@ -96,9 +88,10 @@ pub(super) struct Listing {
 }
 
 impl Listing {
-    /// Translates a list for a scene of `n` particles. Fails if memory runs out.
-    pub fn new(list: Listed<'_>, taking: Taking<'_>, n: usize) -> anyhow::Result<Listing> {
-        let Taking { naming, both_sides, without } = taking;
+    /// Translates the list of a job. With `both_sides`, each pair counts once that the list has in
+    /// both directions. Fails if memory runs out.
+    pub fn new(job: &Job<'_>, naming: &Naming, both_sides: bool) -> anyhow::Result<Listing> {
+        let (list, without, n) = (job.list, job.terms.without, job.space.scene().len());
         let mut listing = Listing { has_images: list.images.is_some(), ..Listing::default() };
         let mut sides = [ContactList::default(), ContactList::default()];
         if list.images.is_none() && !both_sides {

@@ -1,7 +1,7 @@
 //! Tests whether a common mistake explains a list that differs from the truth.
 
 use crate::verify::compare::Against;
-use crate::verify::listing::{Listing, Meaning, Taking};
+use crate::verify::listing::{Listing, Meaning};
 use crate::verify::{Allowed, Job, Naming, Verification, WORST, truth, within};
 use contactbench_detectors::near::contacts;
 use contactbench_ground::contact::Arithmetic;
@@ -35,7 +35,7 @@ pub enum Mistake {
 /// Returns the mistake that explains most differences, at least half of them. Fails if memory runs
 /// out.
 pub fn explain(job: &Job<'_>, found: &Verification) -> anyhow::Result<Option<Reading>> {
-    let (terms, n) = (job.terms, job.space.scene().len());
+    let terms = job.terms;
     let listed = job.list.pairs.len() as u64;
     // The tests only give a hint, so they must not use all memory. An empty list explains nothing,
     // unless all contacts are ties.
@@ -50,7 +50,7 @@ pub fn explain(job: &Job<'_>, found: &Verification) -> anyhow::Result<Option<Rea
     let none = ContactList::default();
     let mut readings = Vec::new();
     let mut test = |mistake, naming, both_sides, truth: &ContactList| -> anyhow::Result<()> {
-        let listing = Listing::new(job.list, Taking { naming, both_sides, without: None }, n)?;
+        let listing = Listing::new(job, naming, both_sides)?;
         let against = Against { space: job.space, truth, near: &none, skin: 0.0, kept: WORST };
         let faults = (listing.unknown.len() + listing.one_sided.len()) as u64;
         let wrong = against.hold(&listing).errors.wrong() + faults;
@@ -136,5 +136,12 @@ impl Reading {
             (wrong, _) => format!("all but {} agree", pairs(wrong)),
         };
         format!("with {}, {result}", self.mistake.words())
+    }
+
+    /// Returns the sentence and the options that accept the list, if there are any.
+    pub fn advice(&self) -> String {
+        let flags = self.mistake.flags();
+        let add = if flags.is_empty() { String::new() } else { format!(": add {flags}") };
+        self.sentence() + &add
     }
 }

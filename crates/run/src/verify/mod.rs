@@ -14,8 +14,8 @@ pub mod paired;
 
 pub use compare::Taken;
 use compare::{Against, Compared};
+use listing::Listing;
 pub use listing::{Listed, Meaning, NamedPair, Naming};
-use listing::{Listing, Taking};
 pub use mistake::{Mistake, Reading, explain};
 
 use crate::run::judge::{Judge, Said};
@@ -111,9 +111,8 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
         truth.plain.retain(|&[i, j]| !groups.leave_out(i, j));
         truth.shifted.retain(|pair| !groups.leave_out(pair.i, pair.j));
     }
-    let Terms { allowed: Allowed { both_sides, skin }, without, kept, .. } = terms;
-    let taking = Taking { naming, both_sides, without };
-    let listing = Listing::new(list, taking, space.scene().len())?;
+    let Terms { allowed: Allowed { both_sides, skin }, kept, .. } = terms;
+    let listing = Listing::new(job, naming, both_sides)?;
     left_out = [left_out[0] - truth.len(), listing.left_out];
     let near = match boxed && skin > 0.0 && !listing.has_images {
         true => within(space, skin, terms.memory_limit)?,

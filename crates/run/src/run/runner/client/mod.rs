@@ -19,7 +19,7 @@ use contactbench_io::exchange;
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::text;
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Start {
     pub command: Vec<String>,
     pub install: String,
@@ -32,8 +32,7 @@ pub struct Start {
 impl Start {
     /// Describes a start of `command` on any processor, without a hint how to install it.
     pub fn of(command: &[String], time_limit: Duration, memory_limit: u64) -> Start {
-        let (command, install) = (command.to_vec(), String::new());
-        Start { command, install, time_limit, memory_limit, processor: None }
+        Start { command: command.to_vec(), time_limit, memory_limit, ..Start::default() }
     }
 
     fn hint(&self) -> String {
