@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context, anyhow, ensure};
 use serde_json::Value;
 
-pub use crate::generate::table::{GENERATORS, Generator, Kind, Parameter, Preset};
+pub use crate::generate::table::{GENERATORS, Generator, Kind, Parameter};
 use crate::generate::{Inputs, file, hard, table};
 use crate::motion::{self, Frames, Motion};
 use crate::neighbours::{NEIGHBOURS, scaled};

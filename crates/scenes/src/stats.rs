@@ -6,57 +6,40 @@
 
 pub use contactbench_terms::scene::Stats;
 
-use contactbench_ground::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
+use contactbench_ground::scene::{Lattice, Radii, Real, Scene, array};
 use contactbench_ground::with_scene;
 use contactbench_io::Given;
 use contactbench_terms::mix::splitmix64;
 
-/// Returns the fingerprint of the scene and its box. In open space it is [`scene_hash`]. For a box,
-/// the chain continues over the box's vectors and corner (bits of doubles) and its three periodic
-/// flags (0 or 1).
-pub fn hash(given: &Given) -> String {
-    let hash = chained_hash(&given.scene);
-    let numbers = |lattice: &Lattice| {
-        let origin = lattice.origin();
-        let numbers = lattice.vectors().as_flattened().iter().chain(&origin).copied();
-        let flags = lattice.periodic().map(u64::from);
-        numbers.map(f64::to_bits).chain(flags).fold(hash, |hash, v| splitmix64(hash ^ v))
-    };
-    format!("{:#018x}", given.lattice.as_ref().map_or(hash, numbers))
-}
-
-/// Returns a fingerprint as `0x` and 16 hexadecimal digits.
+/// Returns a fingerprint of the scene and its box, as `0x` and 16 hexadecimal digits.
 ///
 /// It is the chain h = splitmix64(h xor v), from h = 0, over these v: the dimension; the number of
 /// particles; the bits of all coordinates as doubles (x, y(, z) of particle 0, then 1, ...); 0 or 1
 /// for one radius or one per particle; and the bits of the radius or radii. An f32 scene has the
-/// fingerprint of the equal f64 scene; 0.0 and -0.0 differ.
-pub fn scene_hash(scene: &AnyScene<'_>) -> String {
-    format!("{:#018x}", chained_hash(scene))
-}
-
-fn chained_hash(scene: &AnyScene<'_>) -> u64 {
-    fn chained<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> u64 {
-        let mut hash = 0;
-        let mut chain = |value: u64| hash = splitmix64(hash ^ value);
+/// fingerprint of the equal f64 scene; 0.0 and -0.0 differ. For a box, the chain continues over its
+/// vectors and corner (bits of doubles) and its three periodic flags (0 or 1).
+pub fn hash(given: &Given) -> String {
+    fn chained<T: Real, const D: usize>(scene: &Scene<'_, T, D>, chain: &mut impl FnMut(u64)) {
         chain(D as u64);
         chain(scene.len() as u64);
-        for x in scene.centres().iter().flat_map(array) {
-            chain(x.wide().to_bits());
-        }
-        match scene.radii() {
-            Radii::Uniform(r) => {
-                chain(0);
-                chain(r.wide().to_bits());
-            }
-            Radii::Each(radii) => {
-                chain(1);
-                radii.iter().for_each(|r| chain(r.wide().to_bits()));
-            }
-        }
-        hash
+        scene.centres().iter().flat_map(array).for_each(|x| chain(x.wide().to_bits()));
+        let (each, radii) = match scene.radii() {
+            Radii::Uniform(r) => (0, std::slice::from_ref(r)),
+            Radii::Each(radii) => (1, &radii[..]),
+        };
+        chain(each);
+        radii.iter().for_each(|r| chain(r.wide().to_bits()));
     }
-    with_scene!(scene, scene => chained(scene))
+    let mut hash = 0;
+    let mut chain = |value: u64| hash = splitmix64(hash ^ value);
+    with_scene!(&given.scene, scene => chained(scene, &mut chain));
+    if let Some(lattice) = &given.lattice {
+        let origin = lattice.origin();
+        let numbers = lattice.vectors().as_flattened().iter().chain(&origin);
+        let flags = lattice.periodic().map(u64::from);
+        numbers.map(|x| x.to_bits()).chain(flags).for_each(chain);
+    }
+    format!("{hash:#018x}")
 }
 
 pub fn stats(given: &Given, contacts: u64) -> Stats {
@@ -175,6 +158,7 @@ fn half_edges<T: Real, const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use contactbench_ground::scene::AnyScene;
 
     fn plane(points: &[[f64; 2]], radii: impl Into<Radii<'static, f64>>) -> AnyScene<'static> {
         AnyScene::at(points.iter().copied(), radii).unwrap()
@@ -225,19 +209,18 @@ mod tests {
     fn the_hash_sees_bits_order_and_radii_but_not_the_precision() {
         let points = [[0.0, 1.0], [2.0, 3.0]];
         let scene = plane(&points, Radii::Uniform(0.5));
-        let hash = scene_hash(&scene);
+        let f32 = scene.stored(contactbench_ground::contact::Arithmetic::F32).unwrap();
+        let hash_of = |scene: AnyScene<'static>| hash(&scene.into());
+        let hash = hash_of(scene.clone());
         assert_eq!((hash.len(), &hash[..2]), (18, "0x"));
-        assert_eq!(
-            hash,
-            scene_hash(&scene.stored(contactbench_ground::contact::Arithmetic::F32).unwrap())
-        );
+        assert_eq!(hash, hash_of(f32));
         for other in [
             plane(&[[-0.0, 1.0], [2.0, 3.0]], Radii::Uniform(0.5)),
             plane(&[[2.0, 3.0], [0.0, 1.0]], Radii::Uniform(0.5)),
             plane(&points, Radii::Uniform(0.25)),
             plane(&points, Radii::Each(vec![0.5, 0.5].into())),
         ] {
-            assert_ne!(hash, scene_hash(&other));
+            assert_ne!(hash, hash_of(other));
         }
     }
 }

@@ -130,20 +130,17 @@ impl Cell {
     /// Returns the outcome of the `needed` passes. A wrong answer in any pass makes the whole cell
     /// wrong. A pass that never ran has the outcome of the pass that failed before it.
     pub fn outcome(&self, needed: &[Pass]) -> (Outcome, &str) {
-        let worst = |passes: &mut dyn Iterator<Item = &'_ (Outcome, String)>| {
-            passes.max_by_key(|pass| severity(pass.0)).map(|pass| (pass.0, pass.1.clone()))
+        let worst = |is_needed: &dyn Fn(&Pass) -> bool| {
+            let passes = self.passes.iter().filter(|(pass, _)| is_needed(pass)).rev();
+            let worst = passes.max_by_key(|(_, (outcome, _))| severity(*outcome));
+            worst.map_or((Outcome::Ok, ""), |(_, (outcome, reason))| (*outcome, &**reason))
         };
-        let find = |outcome: Outcome| {
-            self.passes.values().find(|pass| pass.0 == outcome).map_or("", |pass| pass.1.as_str())
-        };
-        let over_all = worst(&mut self.passes.values()).map_or(Outcome::Ok, |pass| pass.0);
+        let overall = worst(&|_| true);
         let absent = needed.is_empty() || needed.iter().any(|pass| !self.passes.contains_key(pass));
-        if over_all == Outcome::Wrong || absent {
-            return (over_all, find(over_all));
+        match overall.0 == Outcome::Wrong || absent {
+            true => overall,
+            false => worst(&|pass| needed.contains(pass)),
         }
-        let outcome = worst(&mut needed.iter().filter_map(|pass| self.passes.get(pass)))
-            .map_or(Outcome::Ok, |pass| pass.0);
-        (outcome, find(outcome))
     }
 
     pub fn overall(&self) -> (Outcome, &str) {

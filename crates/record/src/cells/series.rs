@@ -93,15 +93,7 @@ impl<'a> Group<'a> {
         self.lines.get(line)?.get(&n)
     }
 
-    /// The fastest correct subject that is not a control and has one thread.
-    pub fn fastest(&self, n: u64) -> Option<(&Line, f64)> {
-        self.fastest_of(n, |_| true)
-    }
-
-    pub fn fastest_of(&self, n: u64, wanted: impl Fn(&Line) -> bool) -> Option<(&Line, f64)> {
-        self.ranked(n, wanted).first().copied()
-    }
-
+    /// The correct subjects with one thread that are not controls, the fastest first.
     pub fn ranked(&self, n: u64, wanted: impl Fn(&Line) -> bool) -> Vec<(&Line, f64)> {
         let able = self
             .lines

@@ -34,7 +34,7 @@ impl Overhead {
         let mut shares: BTreeMap<u64, Overhead> = BTreeMap::new();
         for group in series::groups(cells) {
             for n in group.sizes() {
-                let Some((line, time)) = group.fastest(n) else { continue };
+                let Some(&(line, time)) = group.ranked(n, |_| true).first() else { continue };
                 let Some(first) = group.at(line, n).and_then(|cells| cells.first()) else {
                     continue;
                 };

@@ -112,14 +112,14 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
         fresh.retain(|row| seen.insert(sample(row)));
         repeated += all - fresh.len();
         let of_machine = |row: &Row| {
-            let before = known.get(&anywhere(row));
+            let before = known.get(&row.anywhere());
             before.is_some_and(|all| all.iter().any(|it| it.id.machine == row.id.machine))
         };
         let again = fresh.iter().filter(|row| is_block(row) && of_machine(row));
         let again: HashSet<Projection> = again.map(|row| done::scene(&row.id)).collect();
         let start = rows.len();
         for mut row in fresh {
-            let before = known.get(&anywhere(&row)).filter(|_| !is_block(&row));
+            let before = known.get(&row.anywhere()).filter(|_| !is_block(&row));
             for before in before.into_iter().flatten() {
                 agree(before, &row, &part.folder)?;
             }
@@ -138,7 +138,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
         for row in &rows[start..] {
             let block = last.entry(done::scene(&row.id)).or_default();
             *block = row.block.max(*block);
-            known.entry(anywhere(row)).or_default().push(row.clone());
+            known.entry(row.anywhere()).or_default().push(row.clone());
         }
     }
     let provenance = labels.provenance(parts);
@@ -155,10 +155,6 @@ fn labelled(part: &Part, labels: &mut Labels) -> Vec<Row> {
         rows.push(Row { id, ..row.clone() });
     }
     rows
-}
-
-fn anywhere(row: &Row) -> Measurement {
-    Measurement { id: row.id.clone().anywhere(), ..row.measurement() }
 }
 
 /// Identifies a row. The block number of a time is left out, because merging changes it.

@@ -155,6 +155,11 @@ impl Row {
         Measurement { id: self.id.clone(), pass: self.pass, block: self.block }
     }
 
+    /// The measurement, on any machine.
+    pub fn anywhere(&self) -> Measurement {
+        Measurement { id: self.id.clone().anywhere(), ..self.measurement() }
+    }
+
     /// The block and span of the row. Rows of one block are paired only within one span; a resumed
     /// run has new spans.
     pub fn timed_in(&self) -> Block {

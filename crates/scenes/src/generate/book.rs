@@ -19,7 +19,7 @@
 //! (j·s)·D. Coordinates are exact if s and D are dyadic and no product needs more than 53 bits.
 //! Then neighbours are exactly D apart, the largest distance at which discs are in contact.
 
-use crate::generate::table::{Generator, Kind, Make, Parameter, number};
+use crate::generate::table::{Generator, Kind, Make, Parameter, parameter};
 use crate::generate::{DIAMETER, Inputs, assemble};
 use contactbench_io::Given;
 
@@ -27,19 +27,17 @@ pub const PACK_A: Generator = of_book(
     "pack-a",
     "the book's pack A: columns D apart, rows 2D apart",
     &[&[DIAMETER]],
-    |inputs| pack(inputs, |i, j| [i, 2.0 * j]),
+    |inputs| pack(inputs, |_, i, j| [i, 2.0 * j]),
 );
 
 pub const PACK_B: Generator =
     of_book("pack-b", "the book's pack B: columns S apart, rows 2D apart", SPACED, |inputs| {
-        let s = inputs.number("s")?;
-        pack(inputs, |i, j| [i * s, 2.0 * j])
+        pack(inputs, |s, i, j| [i * s, 2.0 * j])
     });
 
 pub const PACK_C: Generator =
     of_book("pack-c", "the book's pack C: columns and rows S apart", SPACED, |inputs| {
-        let s = inputs.number("s")?;
-        pack(inputs, |i, j| [i * s, j * s])
+        pack(inputs, |s, i, j| [i * s, j * s])
     });
 
 pub const PACK_D: Generator = of_book(
@@ -47,8 +45,7 @@ pub const PACK_D: Generator = of_book(
     "the book's pack D: columns D and S apart in turn, rows 2D apart",
     SPACED,
     |inputs| {
-        let s = inputs.number("s")?;
-        pack(inputs, |i, j| {
+        pack(inputs, |s, i, j| {
             let pair = (i / 2.0).floor();
             [pair * (1.0 + s) + (i - 2.0 * pair), 2.0 * j]
         })
@@ -56,7 +53,7 @@ pub const PACK_D: Generator = of_book(
 );
 
 const SPACED: &[&[Parameter]] =
-    &[&[DIAMETER, number("s", Kind::NOT_NEGATIVE, 1.0, "S/D, the spacing in diameters")]];
+    &[&[DIAMETER, parameter("s", Kind::NOT_NEGATIVE, "1", "S/D, the spacing in diameters")]];
 
 const fn of_book(
     name: &'static str,
@@ -67,9 +64,11 @@ const fn of_book(
     Generator { name, dims: &[2], summary, params, make, ..Generator::PLAIN }
 }
 
-fn pack(inputs: &Inputs<'_>, site: impl Fn(f64, f64) -> [f64; 2]) -> anyhow::Result<Given> {
+/// `site` gets the spacing, the column and the row.
+fn pack(inputs: &Inputs<'_>, site: fn(f64, f64, f64) -> [f64; 2]) -> anyhow::Result<Given> {
+    let s = inputs.number("s").unwrap_or(1.0);
     let root = inputs.n.isqrt();
     let columns = if root * root < inputs.n { root + 1 } else { root.max(1) };
-    let centres = (0..inputs.n).map(|k| site((k % columns) as f64, (k / columns) as f64));
+    let centres = (0..inputs.n).map(|k| site(s, (k % columns) as f64, (k / columns) as f64));
     Ok(assemble(inputs, centres, None)?.into())
 }

@@ -20,7 +20,7 @@
 
 use crate::generate::boxes::filled;
 use crate::generate::loose::uniform;
-use crate::generate::table::{Generator, Kind, Parameter, Preset, number};
+use crate::generate::table::{Generator, Kind, Parameter, parameter};
 use crate::generate::{Inputs, OF_BODIES, fraction};
 use contactbench_ground::scene::{AnyScene, Scene};
 use contactbench_io::Given;
@@ -31,25 +31,25 @@ pub const GENERATOR: Generator = Generator {
     params: &[
         OF_BODIES,
         &[
-            Parameter {
-                name: "per-cluster",
-                kind: Kind::COUNT,
-                default: [Preset::Whole(100); 2],
-                meaning: "particles in a cluster; the last cluster may be smaller",
-            },
+            parameter(
+                "per-cluster",
+                Kind::COUNT,
+                "100",
+                "particles in a cluster; the last cluster may be smaller",
+            ),
             Parameter {
                 name: "width",
                 kind: Kind::NOT_NEGATIVE,
-                default: [Preset::Number(4.0), Preset::Number(2.0)],
+                default: ["4", "2"],
                 meaning: "standard deviation of a cluster along each axis, in diameters",
             },
-            number(
+            parameter(
                 "background",
                 Kind::SHARE,
-                0.1,
+                "0.1",
                 "share of the particles that is uniform in the box",
             ),
-            fraction(0.01),
+            fraction("0.01"),
         ],
     ],
     make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },

@@ -19,7 +19,7 @@
 use anyhow::ensure;
 
 use crate::generate::draw::Draw;
-use crate::generate::table::{Generator, Kind, number};
+use crate::generate::table::{Generator, Kind, parameter};
 use crate::generate::{DIAMETER, Inputs, room};
 use contactbench_ground::contact::exact;
 use contactbench_ground::scene::Scene;
@@ -29,10 +29,10 @@ pub const GENERATOR: Generator = Generator {
     summary: "pairs that just touch, across borders of textbook cells",
     params: &[&[
         DIAMETER,
-        number(
+        parameter(
             "offset",
             Kind::FINITE,
-            0.0,
+            "0",
             "lowest x, in diameters, from -10^12 to 10^12; rounded to f64",
         ),
     ]],

@@ -15,7 +15,7 @@ use std::path::Path;
 use anyhow::ensure;
 use serde_json::Value;
 
-use crate::generate::table::{Generator, Kind, Parameter, Preset, optional};
+use crate::generate::table::{Generator, Kind, Parameter, REQUIRED, optional, parameter};
 use contactbench_io as io;
 
 pub const NAME: &str = "file";
@@ -25,12 +25,7 @@ const fn option(place: usize, name: &'static str, kind: Kind) -> Parameter {
 }
 
 const PARAMS: [Parameter; 9] = [
-    Parameter {
-        name: "path",
-        kind: Kind::Text,
-        default: [Preset::Required; 2],
-        meaning: "the file's name",
-    },
+    parameter("path", Kind::Text, REQUIRED, "the file's name"),
     option(0, "radius", Kind::NOT_NEGATIVE),
     option(1, "file-dim", Kind::DIM),
     option(2, "frame", Kind::Text),

@@ -21,7 +21,7 @@ use crate::generate::{OF_BODIES, fraction};
 pub const GENERATOR: Generator = Generator {
     name: "loose",
     summary: "uniform random in a square or cube",
-    params: &[OF_BODIES, &[fraction(0.05)]],
+    params: &[OF_BODIES, &[fraction("0.05")]],
     make: |inputs| match inputs.dim {
         2 => filled::<2>(inputs, |draw, edge, _| uniform(draw, edge)),
         _ => filled::<3>(inputs, |draw, edge, _| uniform(draw, edge)),

@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 
 use anyhow::Context;
 use nalgebra::Point;
-use table::{Kind, Parameter, number};
+use table::{Kind, Parameter, parameter};
 
 use contactbench_ground::scene::{Radii, Scene};
 
@@ -55,18 +55,18 @@ impl Inputs<'_> {
 }
 
 const DIAMETER: Parameter =
-    number("diameter", Kind::POSITIVE, 1.0, "largest diameter, in units of length");
+    parameter("diameter", Kind::POSITIVE, "1", "largest diameter, in units of length");
 
-const OFFSET: Parameter = number(
+const OFFSET: Parameter = parameter(
     "offset",
     Kind::FINITE,
-    0.0,
+    "0",
     "added to every coordinate, in largest diameters; the sums are rounded to f64",
 );
 
-const fn fraction(default: f64) -> Parameter {
+const fn fraction(default: &'static str) -> Parameter {
     let meaning = "volume of the particles over the volume of the box";
-    number("fraction", Kind::POSITIVE, default, meaning)
+    parameter("fraction", Kind::POSITIVE, default, meaning)
 }
 
 const OF_BODIES: &[Parameter] = &[

@@ -23,7 +23,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use crate::generate::boxes::{PERIODIC, boxed};
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
-use crate::generate::table::{Generator, Kind, Parameter, Preset, number};
+use crate::generate::table::{Generator, Kind, Parameter, parameter};
 use crate::generate::{Inputs, OF_BODIES, assemble};
 use contactbench_ground::scene::{AnyScene, Scene};
 use contactbench_io::Given;
@@ -37,14 +37,14 @@ pub const GENERATOR: Generator = Generator {
             Parameter {
                 name: "lattice",
                 kind: Kind::Word([&["hexagonal", "square"], &["fcc", "cubic"]]),
-                default: [Preset::Word("hexagonal"), Preset::Word("fcc")],
+                default: ["hexagonal", "fcc"],
                 meaning: "arrangement of the sites",
             },
-            number("spacing", Kind::POSITIVE, 0.99, "distance of nearest sites, in diameters"),
-            number(
+            parameter("spacing", Kind::POSITIVE, "0.99", "distance of nearest sites, in diameters"),
+            parameter(
                 "jitter",
                 Kind::NOT_NEGATIVE,
-                0.05,
+                "0.05",
                 "each coordinate moves uniformly within ± this, in diameters",
             ),
         ],

@@ -25,7 +25,7 @@ use anyhow::ensure;
 use crate::generate::boxes::{Repeats, boxed};
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
-use crate::generate::table::{Generator, Kind, number};
+use crate::generate::table::{Generator, Kind, parameter};
 use crate::generate::{Inputs, OF_BODIES, assemble, box_edge, fraction, room};
 use contactbench_ground::scene::{AnyScene, Scene};
 use contactbench_io::Given;
@@ -36,11 +36,11 @@ pub const GENERATOR: Generator = Generator {
     params: &[
         OF_BODIES,
         &[
-            fraction(0.3),
-            number(
+            fraction("0.3"),
+            parameter(
                 "overlap",
                 Kind::SHARE,
-                0.05,
+                "0.05",
                 "largest overlap of two particles, over the sum of their radii",
             ),
         ],

@@ -24,13 +24,13 @@ use rand::seq::SliceRandom;
 
 use crate::generate::draw::{Draw, sizes};
 use crate::generate::grading::Curve;
-use crate::generate::table::{Kind, Parameter, number, optional};
+use crate::generate::table::{Kind, Parameter, optional, parameter};
 use crate::generate::{Inputs, room};
 
-pub const SIZE_RATIO: Parameter = number(
+pub const SIZE_RATIO: Parameter = parameter(
     "size-ratio",
     Kind::AT_LEAST_ONE,
-    1.0,
+    "1",
     "largest over smallest radius; radii are uniform unless `sizes` is given; 1 = one radius \
               for all",
 );
@@ -76,28 +76,16 @@ const LARGEST: f64 = 0.5;
 pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option<Vec<f64>>> {
     let ratio = inputs.number("size-ratio")?;
     let kind = inputs.params.get(SIZES.name).and_then(|value| value.as_str());
-    for (parameter, of) in
+    for (Parameter { name, meaning, .. }, of) in
         [(EXPONENT, "power"), (SHARE, "binary"), (GIANTS, "giants"), (GRADING, "grading")]
     {
-        let given = inputs.params.contains_key(parameter.name);
-        ensure!(
-            !given || kind == Some(of),
-            "{} belongs to sizes={of}: add that, or leave {} out",
-            parameter.name,
-            parameter.name
-        );
-        ensure!(
-            given || kind != Some(of),
-            "sizes={of} needs {}: {}",
-            parameter.name,
-            parameter.meaning
-        );
+        let (given, wanted) = (inputs.params.contains_key(name), kind == Some(of));
+        ensure!(wanted || !given, "{name} belongs to sizes={of}: add that, or leave {name} out");
+        ensure!(given || !wanted, "sizes={of} needs {name}: {meaning}");
     }
     if kind == Some("grading") {
         ensure!(ratio == 1.0, "the grading curve has the ratio of sizes: leave size-ratio out");
-        return graded(inputs).map(Some);
-    }
-    if ratio == 1.0 {
+    } else if ratio == 1.0 {
         return Ok(None);
     }
     ensure!(
@@ -105,55 +93,59 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
         "size-ratio is {ratio:e}; at most {MOST:e}, or the volume of the smallest particles \
          underflows"
     );
-    let (n, least) = (inputs.n, LARGEST / ratio);
-    let mut radii = room(n)?;
-    let inside = |radius: f64| radius.clamp(least, LARGEST);
+    let mut radii = room(inputs.n)?;
     match kind {
         None => {
-            radii.extend((0..n).map(|_| inside(least + (LARGEST - least) * draw.unit())));
-            return Ok(Some(radii));
+            let least = LARGEST / ratio;
+            let radius = |_| (least + (LARGEST - least) * draw.unit()).clamp(least, LARGEST);
+            radii.extend((0..inputs.n).map(radius));
         }
-        Some("power") => {
-            let power = inputs.number(EXPONENT.name)? + 1.0;
-            let last = n.saturating_sub(1).max(1) as f64;
-            radii.extend(
-                (0..n).map(|k| inside(least * quantile(1.0 - k as f64 / last, power, ratio))),
-            );
-            // A rounded power might differ from the largest radius.
-            radii.iter_mut().take(1).for_each(|radius| *radius = LARGEST);
+        Some(kind) => {
+            distributed(inputs, kind, ratio, &mut radii)?;
+            radii.shuffle(&mut sizes(inputs.seed));
         }
-        Some("binary") => {
-            let large = large(n, inputs.number(SHARE.name)?, ratio, inputs.dim);
-            radii.extend((0..n).map(|k| if k < large { LARGEST } else { least }));
-        }
-        Some("lognormal") => {
-            let (middle, deviation) = (LARGEST / ratio.sqrt(), libm::log(ratio) / 4.0);
-            let mut draw = Draw::of_sizes(inputs.seed);
-            radii.extend((0..n).map(|_| {
-                let mut normal = draw.normal();
-                while normal.abs() > 2.0 {
-                    normal = draw.normal();
-                }
-                inside(middle * libm::exp(deviation * normal))
-            }));
-        }
-        Some("giants") => {
-            let giants = inputs.whole(GIANTS.name)?;
-            radii.extend((0..n).map(|k| if k < giants { LARGEST } else { least }));
-        }
-        // The check of parameters refuses all other words.
-        Some(other) => bail!("there are no sizes '{other}'"),
     }
-    radii.shuffle(&mut sizes(inputs.seed));
     Ok(Some(radii))
 }
 
-fn graded(inputs: &Inputs<'_>) -> anyhow::Result<Vec<f64>> {
-    let curve = Curve::new(inputs.text(GRADING.name)?)?;
-    let mut radii = room(inputs.n)?;
-    radii.extend(curve.quantiles(inputs.n, inputs.dim).map(|size| LARGEST * size.min(1.0)));
-    radii.shuffle(&mut sizes(inputs.seed));
-    Ok(radii)
+/// Appends radii in an order that the distribution determines.
+fn distributed(
+    inputs: &Inputs<'_>,
+    kind: &str,
+    ratio: f64,
+    radii: &mut Vec<f64>,
+) -> anyhow::Result<()> {
+    let (n, least) = (inputs.n, LARGEST / ratio);
+    let inside = |radius: f64| radius.clamp(least, LARGEST);
+    let largest_first = |large: u64| (0..n).map(move |k| if k < large { LARGEST } else { least });
+    match kind {
+        "power" => {
+            let power = inputs.number(EXPONENT.name)? + 1.0;
+            let last = n.saturating_sub(1).max(1) as f64;
+            let radius = |k| inside(least * quantile(1.0 - k as f64 / last, power, ratio));
+            radii.extend((0..n).map(radius));
+            // A rounded power might differ from the largest radius.
+            radii.iter_mut().take(1).for_each(|radius| *radius = LARGEST);
+        }
+        "binary" => {
+            radii.extend(largest_first(large(n, inputs.number(SHARE.name)?, ratio, inputs.dim)));
+        }
+        "lognormal" => {
+            let (middle, deviation) = (LARGEST / ratio.sqrt(), libm::log(ratio) / 4.0);
+            let mut draw = Draw::of_sizes(inputs.seed);
+            let mut normals = std::iter::repeat_with(|| draw.normal()).filter(|x| x.abs() <= 2.0);
+            let radius = |normal| inside(middle * libm::exp(deviation * normal));
+            radii.extend((0..n).filter_map(|_| normals.next()).map(radius));
+        }
+        "giants" => radii.extend(largest_first(inputs.whole(GIANTS.name)?)),
+        "grading" => {
+            let curve = Curve::new(inputs.text(GRADING.name)?)?;
+            radii.extend(curve.quantiles(n, inputs.dim).map(|size| LARGEST * size.min(1.0)));
+        }
+        // The check of parameters refuses all other words.
+        other => bail!("there are no sizes '{other}'"),
+    }
+    Ok(())
 }
 
 /// Returns the quantile `part` (0 to 1) of a distribution of radii from 1 to `ratio` whose density

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{bail, ensure};
+use anyhow::{anyhow, bail, ensure};
 use serde_json::Value;
 
 use crate as scene;
@@ -40,17 +40,17 @@ pub struct Generator {
     pub make: Make,
 }
 
-pub const fn number(
+pub const fn parameter(
     name: &'static str,
     kind: Kind,
-    default: f64,
+    default: &'static str,
     meaning: &'static str,
 ) -> Parameter {
-    Parameter { name, kind, default: [Preset::Number(default); 2], meaning }
+    Parameter { name, kind, default: [default; 2], meaning }
 }
 
 pub const fn optional(name: &'static str, kind: Kind, meaning: &'static str) -> Parameter {
-    Parameter { name, kind, default: [Preset::Absent; 2], meaning }
+    parameter(name, kind, NONE, meaning)
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +58,7 @@ pub struct Parameter {
     pub name: &'static str,
     pub kind: Kind,
     /// Default value in 2D and in 3D.
-    pub default: [Preset; 2],
+    pub default: [&'static str; 2],
     /// Meaning and unit of the parameter, for lists and help.
     pub meaning: &'static str,
 }
@@ -79,34 +79,20 @@ pub enum Kind {
     Case,
 }
 
-#[derive(Clone, Copy, Debug)]
-pub enum Preset {
-    Number(f64),
-    Whole(u64),
-    Word(&'static str),
-    Absent,
-    Required,
-}
+/// The default of a parameter that may be absent.
+pub const NONE: &str = "none";
+/// The default of a parameter that must be given.
+pub const REQUIRED: &str = "required";
 
-impl std::fmt::Display for Preset {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Preset::Number(x) => write!(f, "{x}"),
-            Preset::Whole(k) => write!(f, "{k}"),
-            Preset::Word(word) => f.write_str(word),
-            Preset::Absent => f.write_str("none"),
-            Preset::Required => f.write_str("required"),
-        }
-    }
-}
-
-impl Preset {
-    fn value(self) -> Option<Value> {
-        match self {
-            Preset::Number(x) => Some(x.into()),
-            Preset::Whole(k) => Some(k.into()),
-            Preset::Word(word) => Some(word.into()),
-            Preset::Absent | Preset::Required => None,
+impl Parameter {
+    /// Returns the default value; `None` for [`NONE`] and [`REQUIRED`].
+    fn preset(&self, dim: u32) -> Option<Value> {
+        let text = self.default[usize::from(dim == 3)];
+        match (text, &self.kind) {
+            (NONE | REQUIRED, _) => None,
+            (_, Kind::Number(..)) => text.parse::<f64>().ok().map(Value::from),
+            (_, Kind::Whole(..)) => text.parse::<u64>().ok().map(Value::from),
+            _ => Some(text.into()),
         }
     }
 }
@@ -118,7 +104,7 @@ pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
     let names = || GENERATORS.map(|generator| generator.name).join(", ");
     GENERATORS.iter().find(|generator| generator.name == name).ok_or_else(|| {
         let hint = hint(name, GENERATORS.iter().map(|generator| generator.name));
-        anyhow::anyhow!("there is no scene '{name}'{hint}; the scenes are: {}", names())
+        anyhow!("there is no scene '{name}'{hint}; the scenes are: {}", names())
     })
 }
 
@@ -143,9 +129,7 @@ impl Generator {
     }
 
     pub fn defaults(&self, dim: u32) -> BTreeMap<String, Value> {
-        let preset = |it: &Parameter| {
-            Some((it.name.to_string(), it.default[usize::from(dim == 3)].value()?))
-        };
+        let preset = |it: &Parameter| Some((it.name.to_string(), it.preset(dim)?));
         self.params().filter_map(preset).collect()
     }
 
@@ -183,23 +167,18 @@ impl Generator {
         let known = (self.name != file::NAME).then_some(dim);
         for parameter in self.params() {
             let value = match params.get(parameter.name) {
-                Some(value) => match parameter.kind.check(value, known) {
-                    Ok(value) => value,
-                    Err(must) => {
-                        bail!("{}: {} is {value}; it must be {must}", self.name, parameter.name)
-                    }
-                },
-                None => match parameter.default[usize::from(dim == 3)] {
-                    Preset::Required => bail!(
+                Some(value) => parameter.kind.check(value, known).map_err(|must| {
+                    anyhow!("{}: {} is {value}; it must be {must}", self.name, parameter.name)
+                })?,
+                None => match parameter.preset(dim) {
+                    Some(value) => value,
+                    None if parameter.default == [REQUIRED; 2] => bail!(
                         "{}: the parameter '{}' is missing ({})",
                         self.name,
                         parameter.name,
                         parameter.meaning
                     ),
-                    preset => match preset.value() {
-                        Some(value) => value,
-                        None => continue,
-                    },
+                    None => continue,
                 },
             };
             all.insert(parameter.name.to_string(), value);

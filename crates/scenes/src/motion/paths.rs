@@ -87,66 +87,62 @@ impl<const D: usize> Paths<D> {
     }
 
     pub fn at(&mut self, k: u64, first: &[Point<f64, D>]) -> anyhow::Result<Vec<Point<f64, D>>> {
-        let all =
-            |place: &dyn Fn(&Point<f64, D>) -> Point<f64, D>| first.iter().map(place).collect();
         let time = k as f64;
-        let middle: [f64; D] = std::array::from_fn(|k| self.low[k] + 0.5 * self.extent[k]);
-        let outermost =
-            |far: &dyn Fn(&Point<f64, D>) -> f64| first.iter().map(far).fold(0.0, f64::max);
+        let all = first.iter();
         Ok(match self.kind {
-            _ if k == 0 => first.to_vec(),
             Kind::Rest | Kind::Gone(_) => first.to_vec(),
-            Kind::Drift | Kind::Bullet => first
-                .iter()
-                .zip(&self.velocities)
-                .map(|(at, velocity)| self.gone(at, &velocity.map(|v| v * time)))
-                .collect(),
+            _ if k == 0 => first.to_vec(),
+            Kind::Drift | Kind::Bullet => {
+                let displacements = self.velocities.iter().map(|it| it.map(|v| v * time));
+                all.zip(displacements).map(|(at, it)| self.gone(at, &it)).collect()
+            }
             Kind::Brownian => {
                 self.walk_to(k, first.len());
-                first
-                    .iter()
-                    .zip(&self.walk.at)
-                    .map(|(at, displacement)| self.gone(at, displacement))
-                    .collect()
+                all.zip(&self.walk.at).map(|(at, it)| self.gone(at, it)).collect()
             }
             Kind::Jitter => {
                 let mut draw = Draw::of_motion(self.seed, k);
-                let moved = |at: &Point<f64, D>| at.map(|x| x + self.speed * draw.normal());
-                let moved = first.iter().map(moved);
+                let moved = all.map(|at| at.map(|x| x + self.speed * draw.normal()));
                 match &self.boxed {
                     None => moved.collect(),
                     Some(boxed) => moved.map(|at| boxed.in_first(&at)).collect(),
                 }
             }
             Kind::Shear => {
-                let slid = |at: &Point<f64, D>| {
+                let slid = all.map(|at| {
                     let mut at = *at;
                     at[0] += self.slope * (at[1] - self.still) * time;
                     at
-                };
+                });
                 match self.lattice(k)? {
-                    None => all(&slid),
-                    Some(lattice) => all(&|at| brought(&lattice, &slid(at))),
+                    None => slid.collect(),
+                    Some(lattice) => slid.map(|at| brought(&lattice, &at)).collect(),
                 }
             }
-            Kind::Rotation => {
-                let most = outermost(&|at| distance(at, &middle));
-                let turn = if most > 0.0 { self.speed / most } else { 0.0 };
-                all(&|at| turned(at, &middle, turn * time))
-            }
-            Kind::Vortex => {
-                let widest = self.extent.iter().fold(0.0f64, |most, &edge| most.max(edge));
-                let core = 0.125 * widest;
-                if core == 0.0 {
-                    return Ok(first.to_vec());
-                }
-                let fastest = 2.0 * self.speed / core;
-                all(&|at| {
-                    let far = distance(at, &middle) / core;
-                    turned(at, &middle, fastest / (1.0 + far * far) * time)
-                })
-            }
+            Kind::Rotation | Kind::Vortex => self.whirled(time, first),
         })
+    }
+
+    /// Returns the positions after a rotation about the middle: as a rigid body, or in a vortex.
+    fn whirled(&self, time: f64, first: &[Point<f64, D>]) -> Vec<Point<f64, D>> {
+        let middle: [f64; D] = std::array::from_fn(|k| self.low[k] + 0.5 * self.extent[k]);
+        let rigid = self.kind == Kind::Rotation;
+        // The radius of fastest motion, in a vortex that of its core.
+        let most = match rigid {
+            true => first.iter().map(|at| distance(at, &middle)).fold(0.0, f64::max),
+            false => 0.125 * self.extent.iter().fold(0.0f64, |most, &edge| most.max(edge)),
+        };
+        if most == 0.0 {
+            return first.to_vec();
+        }
+        let turn = |at: &Point<f64, D>| {
+            let far = distance(at, &middle) / most;
+            match rigid {
+                true => self.speed / most * time,
+                false => 2.0 * self.speed / most / (1.0 + far * far) * time,
+            }
+        };
+        first.iter().map(|at| turned(at, &middle, turn(at))).collect()
     }
 
     fn gone(&self, first: &Point<f64, D>, displacement: &[f64; D]) -> Point<f64, D> {

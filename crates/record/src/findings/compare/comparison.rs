@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{bail, ensure};
 
-use super::{
-    Builds, Compared, Options as How, Summary, compare as cell_by_cell, control, floors, records,
-};
+use super::{Compared, Options as How, Summary, compare as cell_by_cell, control, floors, records};
 use crate::cells::cells;
+use crate::record::id::CellId;
 use crate::record::merge::Part;
+use crate::record::row::Row;
 
 /// The choice of machines and of the differences that count.
 #[derive(Clone, Debug)]
@@ -68,17 +68,33 @@ impl Comparison {
     }
 }
 
+/// Splits a record of two builds into the rows of the base and of this build.
+pub fn by_build(rows: &[Row]) -> [Vec<Row>; 2] {
+    let (mut base, mut this) = (Vec::new(), Vec::new());
+    for row in rows {
+        match row.role.base_of() {
+            Some(original) => {
+                let id = CellId { detector: original.into(), ..row.id.clone() };
+                base.push(Row { id, ..row.clone() });
+            }
+            None if !row.role.is_control() => this.push(row.clone()),
+            None => {}
+        }
+    }
+    [base, this]
+}
+
 fn builds(part: &Part, terms: &Terms) -> anyhow::Result<(How, Vec<Compared>)> {
-    let found = Builds::new(&part.rows).with_context(|| {
-        format!(
-            "the record in {} has one build; name a second folder, or time another build with \
-             contactbench run --against PROGRAM",
-            part.folder.display()
-        )
-    })?;
+    let [base, this] = by_build(&part.rows);
+    ensure!(
+        !base.is_empty(),
+        "the record in {} has one build; name a second folder, or time another build with \
+         contactbench run --against PROGRAM",
+        part.folder.display()
+    );
     let floors = floors(&cells(&part.rows));
     let how = How { band: terms.band / 100.0, side_by_side: Some(floors), ..How::default() };
-    let cells = cell_by_cell(&found.base, &found.this, &how);
+    let cells = cell_by_cell(&base, &this, &how);
     Ok((how, cells))
 }
 

@@ -1,6 +1,5 @@
 //! Compares two records cell by cell: exact values (pairs, counts, bytes, outcomes), and times.
 
-mod builds;
 pub mod comparison;
 pub mod records;
 mod summary;
@@ -9,17 +8,16 @@ mod twins;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-pub use builds::Builds;
 pub use summary::Summary;
 use timing::timing;
 pub use timing::{Judgement, Note, PLACEMENT, Timing};
 pub use twins::{SEEN, pooled};
 
-use crate::cells::label::place;
-use crate::cells::{AxisValue, Cell, cells, ids};
+use crate::cells::label::{place, swept};
+use crate::cells::{Cell, cells, ids};
 use crate::findings::trust::noise::{Noise, nine_in_ten};
 use crate::record::column::Column;
-use crate::record::id::{CellId, FIELDS, MACHINE, Projection};
+use crate::record::id::{CellId, FIELDS, Projection};
 use crate::record::origin::machines::Machine;
 use crate::record::row::{Outcome, Pass, Row};
 use contactbench_terms::arithmetic::Arithmetic;
@@ -146,10 +144,10 @@ impl Record {
 pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
     let (a, b) = (Record::new(a), Record::new(b));
     let keys: BTreeSet<&CellId> = a.cells.keys().chain(b.cells.keys()).collect();
-    let swept = swept(&keys);
+    let fields = fields(&a, &b);
     let compared = |key: &CellId| {
         let mut cell = Compared {
-            place: place(key, &swept),
+            place: place(key, &fields),
             id: key.clone(),
             changes: Vec::new(),
             absent: None,
@@ -211,24 +209,17 @@ fn fill(
 }
 
 /// Returns all fields, except parameters that have only one value in each scene.
-fn swept(keys: &BTreeSet<&CellId>) -> Vec<String> {
-    let mut values: BTreeMap<(&str, u32, String), BTreeSet<AxisValue>> = BTreeMap::new();
-    for key in keys {
-        for (name, value) in key.parameters() {
-            values.entry((&key.scene, key.dim, name)).or_default().insert(value);
-        }
-    }
-    let params: BTreeSet<String> = values
-        .into_iter()
-        .filter(|(place, values)| values.len() > 1 || place.2 == MACHINE)
-        .map(|((.., name), _)| name)
-        .collect();
-    let differs =
-        |name: &str| keys.iter().map(|key| key.axis(name)).collect::<BTreeSet<_>>().len() > 1;
-    let rarely = ["experiment", "order", "seed", "threads"];
-    let first = ["detector", "arithmetic", "scene", "dim", "n"];
-    let others = FIELDS.into_iter().filter(|name| rarely.contains(name) && differs(name));
-    first.into_iter().map(String::from).chain(params).chain(others.map(String::from)).collect()
+fn fields(a: &Record, b: &Record) -> Vec<String> {
+    let all: Vec<&Cell> = a.cells.values().chain(b.cells.values()).collect();
+    let rarely = |name: &&str| {
+        let mut values = all.iter().map(|cell| cell.id.axis(name));
+        let first = values.next();
+        ["experiment", "order", "seed", "threads"].contains(name)
+            && values.any(|value| Some(value) != first)
+    };
+    let first = ["detector", "arithmetic", "scene", "dim", "n"].map(String::from);
+    let others = FIELDS.into_iter().filter(rarely).map(String::from);
+    first.into_iter().chain(swept(&all)).chain(others).collect()
 }
 
 /// Lists outcomes, contacts, counts and bytes that differ. Values missing because of a different

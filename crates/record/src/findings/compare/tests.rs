@@ -1,3 +1,4 @@
+use super::comparison::by_build;
 use super::*;
 use crate::cells::testing::Lab;
 use crate::record::role::Role;
@@ -106,7 +107,7 @@ fn turns(experiment: &str, twin: u64, base: u64, block: impl Fn(u64, u64) -> u64
 }
 
 fn side_by_side(rows: &[Row]) -> Vec<Timing> {
-    let Builds { base, this } = Builds::new(rows).unwrap();
+    let [base, this] = by_build(rows);
     timings(&base, &this, &in_turns(rows))
 }
 
@@ -134,7 +135,7 @@ fn builds_side_by_side_are_paired_by_round() {
     }
     // Code placement by the linker may matter more than the twin shows.
     assert!((judged(900, 1010).least - PLACEMENT).abs() < 1e-9);
-    assert!(Builds::new(&one(&[1])).is_none());
+    assert!(by_build(&one(&[1]))[0].is_empty());
     let of = |experiment, twin| turns(experiment, twin, 900, |unit, _| unit);
     let both = side_by_side(&[of("calm", 1010), of("noisy", 1500)].concat());
     assert_eq!([both[0].judgement, both[1].judgement], [Slower, Undecided]);

@@ -114,9 +114,10 @@ fn library(
     let libraries = group.ranked(n, |line| {
         matches!(line.role, Role::Peer | Role::Runner) && !line.detector.starts_with("contactbench")
     });
-    let (own, _) = group.fastest_of(n, |line| {
+    let own = group.ranked(n, |line| {
         line.detector == reference && line.arithmetic.parse().is_ok_and(Arithmetic::is_exact)
-    })?;
+    });
+    let (own, _) = *own.first()?;
     let ratio = |line: &Line| series::ratio(group.at(line, n)?, group.at(own, n)?);
     let (first, _) = *libraries.first()?;
     let to_first = ratio(first)?;

@@ -23,10 +23,6 @@ fn tried(row: &Row) -> Tried {
     (row.id.clone().anywhere(), row.pass == Pass::Ceiling)
 }
 
-fn anywhere(row: &Row) -> Measurement {
-    Measurement { id: row.id.clone().anywhere(), ..row.measurement() }
-}
-
 /// Returns the scene of a row, without the subject. A file determines its own n and dimension.
 pub fn scene(id: &CellId) -> Projection {
     let scene = id.scene_id();
@@ -43,7 +39,7 @@ impl Index {
         let scenes = made
             .map(|row| (scene(&row.id.clone().anywhere()), row.stats.scene_hash.clone()))
             .collect();
-        Index { scenes, measured: rows.iter().map(anywhere).collect(), ended }
+        Index { scenes, measured: rows.iter().map(Row::anywhere).collect(), ended }
     }
 
     pub fn scene_hash(&self, row: &Row) -> Option<&str> {
@@ -51,7 +47,7 @@ impl Index {
     }
 
     pub fn has(&self, row: &Row) -> bool {
-        self.measured.contains(&anywhere(row))
+        self.measured.contains(&row.anywhere())
     }
 
     pub fn ended(&self, row: &Row) -> Option<&Row> {

@@ -49,19 +49,10 @@ contactbench_terms::named! {
 }
 
 impl Model {
-    /// Parses `N`, `N log N` (or `N log2 N`), `N^2` (or `N²`).
+    /// Parses `N`, `N log N`, `N^2` or `N²`.
     pub fn parse(text: &str) -> Option<Model> {
-        let compact: String = text
-            .chars()
-            .filter(|c| !c.is_whitespace() && *c != '*')
-            .collect::<String>()
-            .to_lowercase();
-        match compact.as_str() {
-            "n" => Some(Model::Linear),
-            "nlogn" | "nlog2n" | "nlog(n)" | "nlog2(n)" => Some(Model::Linearithmic),
-            "n^2" | "n²" | "nn" => Some(Model::Quadratic),
-            _ => None,
-        }
+        let text = text.replace("^2", "²");
+        Model::ALL.into_iter().find(|model| model.name() == text)
     }
 
     pub fn at(self, n: f64) -> f64 {

@@ -117,6 +117,6 @@ fn names_are_read_back() {
     for model in Model::ALL {
         assert_eq!(Model::parse(model.name()), Some(model));
     }
-    assert_eq!(Model::parse("n log2 n"), Some(Model::Linearithmic));
+    assert_eq!(Model::parse("N^2"), Some(Model::Quadratic));
     assert_eq!(Model::parse("N^3"), None);
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::generate::tests::{ascending_radii as radii, make};
-use crate::stats::scene_hash;
+use crate::stats::hash;
 
 const SAND: &str = concat!(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."), "/examples/sand.csv");
 
@@ -56,5 +56,5 @@ fn the_bits_are_fixed() {
     let scene = make(&format!("loose:dim=3,n=1000,sizes=grading,grading={SAND}"));
     let points = "0.1 0,0.2 12,0.425 38,0.85 71,1.18 86,2 100";
     assert_eq!(scene, make(&format!("loose:dim=3,n=1000,sizes=grading,grading={points}")));
-    assert_eq!(scene_hash(&scene), "0xb7e3b8fdc4884511");
+    assert_eq!(hash(&scene.into()), "0xb7e3b8fdc4884511");
 }
