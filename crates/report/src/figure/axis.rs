@@ -1,5 +1,8 @@
 //! Axes: ranges, ticks and their labels.
 
+use plotters::coord::ranged1d::{BoldPoints, Ranged};
+use plotters::coord::types::RangedCoordf64;
+
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     log: bool,
@@ -58,15 +61,9 @@ impl Axis {
     pub fn ticks(&self, length: f64, room: f64) -> Vec<Tick> {
         let most = (length / room.max(1.0)).floor().max(2.0);
         if !self.log {
-            let least = ((self.high - self.low) / (most + 1.0)).log10().floor() as i32;
-            let steps = (least..).flat_map(|power| [1, 2, 5].map(|digit| (digit, power)));
-            let mut steps = steps.map(|(digit, power)| f64::from(digit) * 10f64.powi(power));
-            let ends = |step: f64| [(self.low / step).ceil(), (self.high / step).floor()];
-            let few = |step: &f64| ends(*step)[1] - ends(*step)[0] < most;
-            let Some(step) = steps.find(few) else { return Vec::new() };
-            let [first, last] = ends(step).map(|end| end as i64);
-            let values = (first..=last).map(|k| k as f64 * step);
-            return values.map(|value| (value, Some(plain(value)))).collect();
+            let range = RangedCoordf64::from(self.low..self.high);
+            let values = range.key_points(BoldPoints(most as usize));
+            return values.into_iter().map(|value| (value, Some(plain(value)))).collect();
         }
         let decades = (self.high / self.low).log10();
         let (digits, step) = match decades {

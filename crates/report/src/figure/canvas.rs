@@ -1,9 +1,12 @@
 //! Draws lines, shapes and text into an SVG, with coordinates in layout units.
 
-use std::fmt::Write;
+use plotters::backend::{DrawingBackend, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{
+    Color, FontStyle, FontTransform, IntoFont, IntoTextStyle, RGBColor, ShapeStyle,
+};
 
 use crate::figure::style::{Colour, FAINT, INK, Marker, WHITE, ink_on};
-use contactbench_terms::text::html;
 
 pub type Point = (f64, f64);
 
@@ -12,20 +15,20 @@ pub struct Text {
     size: f64,
     colour: Colour,
     bold: bool,
-    anchor: &'static str,
+    anchor: HPos,
     /// True for text that runs from bottom to top.
     upright: bool,
 }
 
 impl Text {
     pub const fn new(size: f64, colour: Colour) -> Text {
-        Text { size, colour, bold: false, anchor: "start", upright: false }
+        Text { size, colour, bold: false, anchor: HPos::Left, upright: false }
     }
     pub const fn centred(self) -> Text {
-        Text { anchor: "middle", ..self }
+        Text { anchor: HPos::Center, ..self }
     }
     pub const fn ending(self) -> Text {
-        Text { anchor: "end", ..self }
+        Text { anchor: HPos::Right, ..self }
     }
     pub const fn of_size(self, size: f64) -> Text {
         Text { size, ..self }
@@ -41,22 +44,32 @@ impl Text {
     }
 }
 
-/// The surface that a figure is drawn on: the text of its SVG.
-pub struct Canvas(String);
+/// The surface that a figure is drawn on. Drawing cannot fail: plotters writes to a string.
+pub struct Canvas<'a>(SVGBackend<'a>);
 
 /// Lengths of a dash and of the gap, as SVG writes them.
 pub type Dash = &'static str;
+const DASHES: [Dash; 5] = ["2 3", "3 4", "5 4", "6 5", "10 4"];
 
 /// Draws an SVG on a white background, because a viewer may have a dark one.
 pub fn svg([width, height]: [f64; 2], draw: impl FnOnce(&mut Canvas)) -> String {
-    let (width, height) = (width as u32, height as u32);
-    let mut canvas = Canvas(format!(
-        "<svg font-family=\"sans-serif\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 \
-         {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\">\n"
-    ));
-    canvas.rect((0.0, 0.0), (width.into(), height.into()), WHITE);
+    let (mut text, size) = (String::new(), (width as u32, height as u32));
+    let mut canvas = Canvas(SVGBackend::with_string(&mut text, size));
+    canvas.rect((0.0, 0.0), (size.0.into(), size.1.into()), WHITE);
     draw(&mut canvas);
-    canvas.0 + "</svg>\n"
+    drop(canvas);
+    // A renderer assumes these values, or takes them from the outer element. Without them the text
+    // is a third shorter.
+    const FONT: &str = " font-family=\"sans-serif\"";
+    for default in [" opacity=\"1\"", " stroke-width=\"1\"", " stroke=\"none\"", FONT] {
+        text = text.replace(default, "");
+    }
+    for (k, dash) in DASHES.iter().enumerate() {
+        let [from, to] =
+            [format!(" opacity=\"0.{}\"", k + 1), format!(" stroke-dasharray=\"{dash}\"")];
+        text = text.replace(&from, &to);
+    }
+    text.replacen("<svg", &format!("<svg{FONT}"), 1)
 }
 
 /// Returns about the width of a text of this height in DejaVu Sans, a wide font, in layout units.
@@ -76,7 +89,7 @@ pub const MARGIN: f64 = 24.0;
 pub const HEADING: Text = Text::new(19.0, INK).bold();
 pub const AXIS: Text = Text::new(19.0, INK).centred();
 
-impl Canvas {
+impl Canvas<'_> {
     pub fn heading(&mut self, title: &str, subtitle: &[String]) {
         self.text(title, (MARGIN, MARGIN + 12.0), Text::new(29.0, INK).bold());
         for (k, line) in subtitle.iter().enumerate() {
@@ -90,26 +103,21 @@ impl Canvas {
 
     /// Draws a line. `dash` names its dashes as SVG does; `None` is a solid line.
     pub fn dashed(&mut self, points: &[Point], colour: Colour, width: f64, dash: Option<Dash>) {
-        let width = width.round().max(1.0);
-        let dash = dash.map_or(String::new(), |dash| format!(" stroke-dasharray=\"{dash}\""));
-        let mut look = format!("{dash} stroke=\"{}\"", hex(colour));
-        if width > 1.0 {
-            let _ = write!(look, " stroke-width=\"{width}\"");
-        }
-        let _ = match *points {
+        // Plotters has no dashes: the opacity stands for them until the figure is complete.
+        let place = DASHES.iter().position(|it| Some(*it) == dash);
+        let alpha = place.map_or(1.0, |place| (place + 1) as f64 / 10.0);
+        let width = width.round().max(1.0) as u32;
+        let style =
+            ShapeStyle { color: rgb(colour).mix(alpha), filled: false, stroke_width: width };
+        let _ = match pixels(points).as_slice() {
             [] => Ok(()),
-            [from, to] => {
-                let ((x1, y1), (x2, y2)) = (pixel(from), pixel(to));
-                let ends = format!("x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\"");
-                writeln!(self.0, "<line{look} {ends}/>")
-            }
-            _ => writeln!(self.0, "<polyline fill=\"none\"{look} points=\"{}\"/>", pixels(points)),
+            &[from, to] => self.0.draw_line(from, to, &style),
+            path => self.0.draw_path(path.iter().copied(), &style),
         };
     }
 
     pub fn fill(&mut self, points: &[Point], colour: Colour) {
-        let (fill, points) = (hex(colour), pixels(points));
-        let _ = writeln!(self.0, "<polygon fill=\"{fill}\" points=\"{points}\"/>");
+        let _ = self.0.fill_polygon(pixels(points), &rgb(colour));
     }
 
     pub fn rect(&mut self, low: Point, high: Point, colour: Colour) {
@@ -121,25 +129,20 @@ impl Canvas {
     }
 
     pub fn disc(&mut self, at: Point, radius: f64, colour: Colour) {
-        let ((x, y), r, fill) = (pixel(at), radius.round(), hex(colour));
-        let _ = writeln!(self.0, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"{fill}\"/>");
+        let _ = self.0.draw_circle(pixel(at), radius.round() as u32, &rgb(colour), true);
     }
 
     /// Draws one line of text, vertically centred on the point.
     pub fn text(&mut self, text: &str, at: Point, style: Text) {
-        let Text { size, colour, bold, anchor, upright } = style;
-        let ((x, y), fill, text) = (pixel(at), hex(colour), html(text));
-        let bold = if bold { " font-weight=\"bold\"" } else { "" };
-        let turn = match upright {
-            true => format!(" transform=\"rotate(270, {x}, {y})\""),
-            false => String::new(),
-        };
-        let _ = writeln!(
-            self.0,
-            "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" text-anchor=\"{anchor}\" font-size=\"{}\" \
-             fill=\"{fill}\"{bold}{turn}>\n{text}\n</text>",
-            size / 1.24
-        );
+        let face = if style.bold { FontStyle::Bold } else { FontStyle::Normal };
+        let turn = if style.upright { FontTransform::Rotate270 } else { FontTransform::None };
+        let style = ("sans-serif", style.size, face)
+            .into_font()
+            .transform(turn)
+            .color(&rgb(style.colour))
+            .pos(Pos::new(style.anchor, VPos::Center))
+            .into_text_style(&(1, 1));
+        let _ = self.0.draw_text(text, &style, pixel(at));
     }
 
     /// Draws a letter in a disc: the mark of a cell without a value.
@@ -193,11 +196,10 @@ fn pixel((x, y): Point) -> (i32, i32) {
     (x.round() as i32, y.round() as i32)
 }
 
-fn pixels(points: &[Point]) -> String {
-    let pixels = points.iter().map(|&point| pixel(point));
-    pixels.map(|(x, y)| format!("{x},{y} ")).collect()
+fn pixels(points: &[Point]) -> Vec<(i32, i32)> {
+    points.iter().copied().map(pixel).collect()
 }
 
-fn hex((r, g, b): Colour) -> String {
-    format!("#{r:02X}{g:02X}{b:02X}")
+fn rgb((r, g, b): Colour) -> RGBColor {
+    RGBColor(r, g, b)
 }

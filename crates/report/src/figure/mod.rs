@@ -2,7 +2,7 @@
 //!
 //! The modules `lines`, `bars` and `speed_error` each draw one kind of figure: they turn
 //! cells into data, and lay them out. `axis` chooses ranges and ticks, `style` defines colour and
-//! marker of each detector, and `canvas` writes SVG.
+//! marker of each detector, and `canvas` calls plotters.
 
 mod axis;
 mod bars;
