@@ -38,10 +38,10 @@ pub fn bound(cell: &[u8], k: usize, lines: &Lines<'_>) -> anyhow::Result<f64> {
 }
 
 pub fn in_order(ranges: &[[f64; 2]], boundaries: Boundaries) -> anyhow::Result<()> {
-    for ([low, high], axis) in ranges.iter().zip(AXES) {
+    for [low, high] in ranges {
         ensure!(
             low <= high || boundaries.replace_box(),
-            "along {axis} the box goes from {low} to {high}; mend the file, or give --box or --open"
+            "the box goes from {low} to {high}; mend the file, or give --box or --open"
         );
     }
     Ok(())

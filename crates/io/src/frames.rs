@@ -3,7 +3,6 @@
 use anyhow::{anyhow, bail, ensure};
 
 use crate::particles::{Loaded, Particles};
-use crate::raw::lines::Lines;
 use crate::types::{Frame, Notice, assumed};
 
 #[derive(Clone, Copy, PartialEq)]
@@ -26,9 +25,8 @@ pub struct Choice {
     /// Whether later rows may still belong to an earlier frame, so that the file must be read to
     /// its end.
     pub through: bool,
-    whole: u64,
-    /// Last line of the frames read so far; 0 if the format has no lines.
-    line: u64,
+    /// Number of frames that were read or skipped to their end.
+    pub whole: u64,
     pub torn: Option<Notice>,
     pub gzip: bool,
 }
@@ -38,12 +36,11 @@ impl Choice {
         Choice { frame, survey, ..Choice::default() }
     }
 
-    /// Notes that a frame was read or skipped to its end; `end` is [`Lines::end`].
-    pub fn done(&mut self, end: Option<(u64, bool)>, particles: Option<&mut Particles>) {
+    /// Notes that a frame was read or skipped to its end. Programs end each frame with a line feed;
+    /// if it is missing, the last number may be cut.
+    pub fn done(&mut self, has_feed: bool, particles: Option<&mut Particles>) {
         self.whole = self.seen;
-        self.line = end.map_or(0, |(line, _)| line);
-        // Programs end each frame with a line feed. Without one, the last number may be cut.
-        if self.seen > 1 && end.is_some_and(|(_, has_feed)| !has_feed) {
+        if self.seen > 1 && !has_feed {
             let why = assumed!(
                 "the last line of frame {} has no line feed: if the file is being written, its \
                  last number may be cut off",
@@ -56,27 +53,14 @@ impl Choice {
         }
     }
 
-    pub fn done_before(&mut self, lines: &Lines<'_>) {
-        (self.whole, self.line) = (self.seen, lines.at().saturating_sub(1));
-    }
-
     /// Adds to an error which frames before it can be read.
-    pub fn with_whole(&self, error: anyhow::Error, name: &str) -> anyhow::Error {
+    pub fn with_whole(&self, error: anyhow::Error) -> anyhow::Error {
         // If only one frame is allowed, a second frame is an error but no damage.
         if self.whole == 0 || self.through || self.frame == Frame::Only && self.seen > self.whole {
             return error;
         }
         let last = self.whole - 1;
-        let which = match last {
-            0 => "frame 0 is whole".into(),
-            _ => format!("frames 0 to {last} are whole"),
-        };
-        let all = match (self.line, self.gzip) {
-            (0, _) => String::new(),
-            (line, false) => format!(", or all with head -n {line} {name}"),
-            (line, true) => format!(", or all with zcat {name} | head -n {line}"),
-        };
-        anyhow!("{error:#}; {which}: take --frame {last}{all}")
+        anyhow!("{error:#}; frames before it are whole: take --frame {last}")
     }
 
     pub fn is_all(&self) -> bool {
@@ -140,8 +124,9 @@ pub trait Framed {
     /// Reads the frame that has begun, or skips it and returns `None`.
     fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>>;
 
-    fn end(&self) -> Option<(u64, bool)> {
-        None
+    /// Whether the text of the frame ends with a line feed.
+    fn has_feed(&self) -> bool {
+        true
     }
 }
 
@@ -153,7 +138,7 @@ impl<F: Framed> Reader<Loaded> for F {
                 return Ok(None);
             }
             let mut read = self.frame(step == Step::Keep)?;
-            choice.done(self.end(), read.as_mut().map(|(particles, _)| particles));
+            choice.done(self.has_feed(), read.as_mut().map(|(particles, _)| particles));
             if read.is_some() {
                 return Ok(read);
             }
@@ -201,7 +186,7 @@ pub fn chosen<T>(
                 choice.torn = Some(why);
                 break;
             }
-            Err(error) => return Err(choice.with_whole(error, name)),
+            Err(error) => return Err(choice.with_whole(error)),
         }
         // No later line can change the chosen frame.
         let is_last = !choice.survey && !choice.sparse && !choice.through;

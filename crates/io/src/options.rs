@@ -1,8 +1,5 @@
 //! Options for reading a file, and their names on the command line and in scenes.
 
-use std::fmt::Display;
-use std::str::FromStr;
-
 use anyhow::ensure;
 
 use crate::boxes::Boundaries;
@@ -100,26 +97,22 @@ pub const OPTIONS: [FileOption; 8] = [
     option("open", "", "Open boundaries: no contacts across the box"),
 ];
 
-/// Parses a number with a decimal point; a decimal comma is refused.
-fn real(text: &str) -> Result<f64, String> {
-    text.parse().map_err(|_| "it must be a number with a decimal point, such as 0.5".into())
-}
-
-fn parsed<T: FromStr<Err: Display>>(text: &str) -> Result<Option<T>, String> {
-    text.parse().map(Some).map_err(|error: T::Err| error.to_string())
-}
-
 impl FileOption {
     pub fn set(&self, options: &mut Options, text: &str) -> Result<(), String> {
         let dim = || number::whole(text).and_then(|dim| u32::try_from(dim).ok());
+        let real = || text.parse().ok();
         match self.name {
-            "radius" => options.radius = Some(real(text)?),
+            "radius" => {
+                let radius =
+                    real().ok_or("it must be a number with a decimal point, such as 0.5")?;
+                options.radius = Some(radius);
+            }
             "dim" => options.dim = Some(dim().ok_or("it must be a whole number: 2 or 3")?),
             "frame" => options.frame = text.parse()?,
-            "columns" => options.columns = parsed(text)?,
-            "format" => options.format = parsed(text)?,
-            "box" => options.boundaries.edges = parsed(text)?,
-            "periodic" => options.boundaries.periodic = parsed(text)?,
+            "columns" => options.columns = Some(text.parse()?),
+            "format" => options.format = Some(text.parse()?),
+            "box" => options.boundaries.edges = Some(text.parse()?),
+            "periodic" => options.boundaries.periodic = Some(text.parse()?),
             _ => {
                 options.boundaries.open = text.parse().map_err(|_| "it must be true or false")?;
             }

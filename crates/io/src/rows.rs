@@ -1,11 +1,13 @@
 //! Particles from the rows of a table: lines with cells, and records of binary files.
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, anyhow};
 
 use crate::columns::{Column, Columns, units};
 use crate::options::Options;
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
-use crate::raw::lines::{Lines, Separator, Source, decoded, listed, number, short, shown, whole};
+use crate::raw::lines::{
+    Lines, Separator, Source, decoded, exact, listed, number, short, shown, whole,
+};
 use crate::raw::scalars::Kind;
 use contactbench_terms::number::plural;
 
@@ -15,10 +17,6 @@ pub struct Rows {
 }
 
 pub const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
-
-/// Remedy for row names, which R's write.table writes without a header.
-const ROW_NAMES: &str = "; if the first column has the names of rows and no header, as R's \
-                         write.table writes it, give row.names = FALSE there, or col.names = NA";
 
 impl Columns {
     pub fn rows(self, place: &str, options: Options) -> anyhow::Result<Rows> {
@@ -84,7 +82,7 @@ impl Columns {
             }
         }
         if bad.is_some() || !self.or_more && cells.next().is_some() {
-            return Err(self.fault(all, bad, particles.is_empty(), &between()).context(place()));
+            return Err(self.fault(all, bad, &between()).context(place()));
         }
         if let Some(groups) = &mut particles.groups {
             groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
@@ -97,23 +95,15 @@ impl Columns {
         &self,
         mut cells: impl Iterator<Item = &'a [u8]> + Clone,
         bad: Option<(usize, &str)>,
-        is_first: bool,
         between: &str,
     ) -> anyhow::Error {
         let (count, wanted) = (cells.clone().count(), self.meaning.len());
         if let Some((k, why)) = bad.filter(|_| count == wanted || self.or_more && count > wanted) {
-            if cells.clone().map(decoded).eq(self.names.iter().cloned()) {
-                return anyhow!("the header is there again; remove the line");
-            }
             let cell = shown(cells.nth(k).unwrap_or_default());
             let name = short(&self.names[k]);
             return anyhow!("column '{name}': '{cell}' {why}; mend or remove the line");
         }
-        let remedy = match count {
-            _ if count == 2 * wanted => DECIMAL_COMMAS,
-            _ if count == wanted + 1 && is_first => ROW_NAMES,
-            _ => "",
-        };
+        let remedy = if count == 2 * wanted { DECIMAL_COMMAS } else { "" };
         anyhow!("{} where {wanted} are expected{between}{remedy}", plural(count, "column"))
     }
 }
@@ -171,18 +161,16 @@ impl Rows {
             if !source.fill(&mut record)? {
                 return Ok(k);
             }
-            let value = |place: usize| {
-                let (kind, big) = fields[place].0?;
-                Some(kind.get(&record[ends[place]..], big))
-            };
-            self.push_values(k, value)
-                .with_context(|| format!("{}: record {k} (from 0)", source.name))?;
+            self.push_record(k, |at| {
+                Some(fields[at].0?.0.get(&record[ends[at]..], fields[at].0?.1))
+            })
+            .with_context(|| format!("{}: record {k} (from 0)", source.name))?;
         }
         Ok(count)
     }
 
     /// Adds the particle of record `k`; `value` returns the number in a column, if there is one.
-    fn push_values(&mut self, k: u64, value: impl Fn(usize) -> Option<f64>) -> anyhow::Result<()> {
+    fn push_record(&mut self, k: u64, value: impl Fn(usize) -> Option<f64>) -> anyhow::Result<()> {
         let Rows { columns, particles } = self;
         let (mut point, mut radius, mut id) = ([0.0; 3], 0.0, k as i64);
         for (at, (&column, label)) in columns.meaning.iter().zip(&columns.names).enumerate() {
@@ -196,9 +184,8 @@ impl Rows {
             match column {
                 Column::Axis(axis) => point[axis] = checked,
                 Column::Id => {
-                    let is_whole = value.fract() == 0.0 && value.abs() < 9e15;
-                    ensure!(is_whole, "'{}': {value} is not a whole number", label());
-                    id = value as i64;
+                    let whole = exact(value);
+                    id = whole.with_context(|| format!("'{}': {value} is not whole", label()))?;
                 }
                 _ => radius = checked,
             }

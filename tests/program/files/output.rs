@@ -48,7 +48,7 @@ fn every_form_of_output_holds_the_same_pairs() {
     at.file("layer.npy", npy(&particles.iter().map(|it| it.to_vec()).collect::<Vec<_>>()));
     assert_eq!(at.good("detect layer.npy --dim 2").stdout, text);
     at.file("nan.npy", npy(&[vec![0.0, 0.0, 0.0], vec![1.0, f64::NAN, 0.0]]));
-    at.ends(2, "detect nan.npy --radius 1", &["nan.npy", "particle 1 (from 0)", "y is NaN"]);
+    at.ends(2, "detect nan.npy --radius 1", &["nan.npy", "particle 1 (from 0)", "y NaN is not"]);
     at.file("negative.npy", npy(&[vec![0.0, 0.0, 0.0, 1.0], vec![1.0, 0.0, 0.0, -1.0]]));
     at.ends(2, "detect negative.npy", &["negative.npy", "particle 1 (from 0)", "-1"]);
 }

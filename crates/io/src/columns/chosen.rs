@@ -38,29 +38,13 @@ const KEYS: [(&str, Column); 6] = [
     ("id", Column::Id),
 ];
 
-/// A text of at most [`Word::LONGEST`] bytes, padded with zero bytes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Word([u8; Word::LONGEST]);
+/// A name or value. Options are copied often and made once, so their few words are never freed.
+pub type Word = &'static str;
 
-impl Word {
-    const LONGEST: usize = 32;
-
-    /// Removes surrounding blanks; fails if the text is empty or too long.
-    pub fn new(text: &str) -> Result<Word, String> {
-        let text = text.trim();
-        let mut bytes = [0; Word::LONGEST];
-        match bytes.get_mut(..text.len()) {
-            Some([]) => Err("a name or value is empty".into()),
-            Some(place) => {
-                place.copy_from_slice(text.as_bytes());
-                Ok(Word(bytes))
-            }
-            None => Err(format!("'{text}' has more than {} bytes", Word::LONGEST)),
-        }
-    }
-
-    pub fn text(&self) -> String {
-        String::from_utf8_lossy(&self.0).trim_end_matches('\0').to_string()
+pub fn word(text: &str) -> Result<Word, String> {
+    match text.trim() {
+        "" => Err("a name or value is empty".into()),
+        text => Ok(Box::leak(text.into())),
     }
 }
 
@@ -74,7 +58,7 @@ impl Which {
     fn text(&self) -> String {
         match self {
             Which::Number(number) => number.to_string(),
-            Which::Name(name) => name.text(),
+            Which::Name(name) => name.to_string(),
         }
     }
 }
@@ -88,10 +72,7 @@ impl FromStr for Which {
         match value.parse() {
             Ok(0) => Err("columns are counted from 1".into()),
             Ok(number) => Ok(Which::Number(number)),
-            Err(_) if value.is_empty() => Err(format!("no column is named; {FORM}")),
-            Err(_) => Word::new(value).map(Which::Name).map_err(|_| {
-                format!("a name of more than {} bytes; give the column's number", Word::LONGEST)
-            }),
+            Err(_) => word(value).map(Which::Name),
         }
     }
 }
@@ -102,9 +83,8 @@ impl FromStr for Chosen {
     fn from_str(text: &str) -> Result<Chosen, String> {
         let mut chosen = Chosen::default();
         for piece in text.split(',') {
-            let Some((key, value)) = piece.split_once('=') else {
-                return Err(format!("'{piece}' is not of the form x=3; {FORM}"));
-            };
+            let form = || format!("'{piece}' is not of the form x=3; {FORM}");
+            let (key, value) = piece.split_once('=').ok_or_else(form)?;
             let (key, value) = (key.trim(), value.trim());
             let which = || value.parse().map_err(|why| format!("{key}={value}: {why}"));
             let twice = if key == "frame" {
@@ -114,10 +94,9 @@ impl FromStr for Chosen {
                 };
                 std::mem::replace(&mut chosen.frame, frame) != Framing::ByName
             } else {
-                let Some(k) = KEYS.iter().position(|(name, _)| *name == key) else {
-                    return Err(format!("'{key}' is not one of x, y, z, r, d, id, frame; {FORM}"));
-                };
-                chosen.columns[k].replace(which()?).is_some()
+                let k = KEYS.iter().position(|(name, _)| *name == key);
+                let none = || format!("'{key}' is not one of x, y, z, r, d, id, frame; {FORM}");
+                chosen.columns[k.ok_or_else(none)?].replace(which()?).is_some()
             };
             if twice {
                 return Err(format!("{key} is given twice; leave one out"));
@@ -153,11 +132,11 @@ impl Chosen {
     /// Returns the columns as indices from 0, if coordinates are chosen and all columns are given
     /// by number.
     pub fn numbers(&self) -> Option<Vec<usize>> {
-        let place = |which: Which| match which {
+        let places = self.given().map(|(.., which)| match which {
             Which::Number(number) => Some(number - 1),
             Which::Name(_) => None,
-        };
-        self.given().map(|(.., which)| place(which)).collect::<Option<_>>().filter(|_| self.axes())
+        });
+        places.collect::<Option<_>>().filter(|_| self.axes())
     }
 
     fn given(&self) -> impl Iterator<Item = (&'static str, Column, Which)> {

@@ -33,7 +33,7 @@ impl Column {
         }
     }
 
-    fn words(self) -> &'static str {
+    pub fn words(self) -> &'static str {
         match self {
             Column::Axis(axis) => ["x", "y", "z"].get(axis).copied().unwrap_or("a coordinate"),
             Column::Radius => "the radius",
@@ -155,23 +155,16 @@ impl Columns {
 
     /// Refuses columns that mean the same, missing coordinates, and lengths in several units.
     pub fn check(&self, place: &str) -> anyhow::Result<()> {
-        let named = |column: Column| {
-            self.all().filter(move |(it, _)| *it == column).map(|(_, name)| short(name))
-        };
         let used = |column: Column| !matches!(column, Column::Other | Column::Id);
-        for (column, name) in self.all().filter(|(column, _)| used(*column)) {
-            let others = || {
-                named(column).skip(1).chain(match column {
-                    Column::Radius => named(Column::Diameter).next(),
-                    _ => None,
-                })
-            };
-            if let Some(other) = others().next() {
+        let same = |a: Column, b: Column| a == b || a.is_size() && b.is_size();
+        for (k, (column, name)) in self.all().enumerate().filter(|(_, it)| used(it.0)) {
+            if let Some((_, other)) = self.all().skip(k + 1).find(|(it, _)| same(*it, column)) {
                 bail!(
-                    "{place}: the columns '{}' and '{other}' both mean {}; choose one with \
-                     --columns, or remove it",
+                    "{place}: the columns '{}' and '{}' both mean {}; choose one with --columns, or \
+                     remove it",
                     short(name),
-                    column.words()
+                    short(other),
+                    if column.is_size() { "the size" } else { column.words() }
                 );
             }
         }

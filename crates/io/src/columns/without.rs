@@ -5,7 +5,7 @@ use std::str::FromStr;
 use anyhow::{Context, bail, ensure};
 
 use super::Columns;
-use super::chosen::Word;
+use super::chosen::{Word, word};
 use crate::raw::lines::{listed, number};
 use crate::raw::room::room;
 use crate::types::Frame;
@@ -33,7 +33,7 @@ impl FromStr for Without {
             let Some((column, values)) = piece.split_once('=') else {
                 return Err(format!("'{piece}' is not of the form type=2; {FORM}"));
             };
-            let column = Word::new(column)?;
+            let column = word(column)?;
             let none = Without { column, values: [None; MOST], with: [0; MOST + 1] };
             let without = without.get_or_insert(none);
             if without.column != column {
@@ -57,8 +57,8 @@ impl FromStr for Without {
 
 impl Without {
     fn named(&mut self, value: &str) -> Result<usize, String> {
-        let value = Word::new(value)?;
-        let number_of = |word: &Word| number(word.text().as_bytes());
+        let value = word(value)?;
+        let number_of = |word: &Word| number(word.as_bytes());
         let same = |known: &Word| {
             *known == value || number_of(&value).is_some_and(|x| number_of(known) == Some(x))
         };
@@ -75,7 +75,7 @@ impl Without {
     }
 
     pub fn groups(self, columns: &Columns, place: &str) -> anyhow::Result<Groups> {
-        let name = self.column.text();
+        let name = self.column;
         let column = columns.names.iter().position(|known| known.trim() == name);
         let column = column.with_context(|| {
             format!(
@@ -83,7 +83,7 @@ impl Without {
                 listed(&columns.names)
             )
         })?;
-        let value = |word: &Word| (word.text(), number(word.text().as_bytes()));
+        let value = |word: &Word| (word.to_string(), number(word.as_bytes()));
         let values = self.values.iter().flatten().map(value).collect();
         Ok(Groups { without: self, column, values, of: Vec::new() })
     }
@@ -121,7 +121,7 @@ impl Groups {
         ensure!(self.of.len() == particles, "{name}: --without: not all particles have the column");
         for (k, (value, _)) in self.values.iter().enumerate() {
             if frame != Frame::All && !self.of.contains(&(k as u8)) {
-                let column = self.without.column.text();
+                let column = self.without.column;
                 bail!("{name}: no particle has {column} {value}; look at --without");
             }
         }

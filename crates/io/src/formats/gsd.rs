@@ -18,7 +18,7 @@ use crate::options::{Opened, Options};
 use crate::particles::{Loaded, Particles, loaded};
 use crate::raw::lines::Source;
 use crate::raw::room::room_for;
-use crate::types::{About, Declared, Notice, RadiusSource};
+use crate::types::{About, Declared, RadiusSource, assumed};
 
 pub(crate) const MAGIC: &[u8] = b"\xdf\x65\xdf\x65\xdf\x65\xdf\x65";
 
@@ -61,6 +61,12 @@ fn word(bytes: &[u8], at: usize) -> Option<u64> {
     bytes.get(at..)?.first_chunk().map(|bytes| u64::from_le_bytes(*bytes))
 }
 
+/// Returns `count` items of `size` bytes; `None` if the file is too short.
+fn part(bytes: &[u8], from: u64, count: u64, size: u64) -> Option<&[u8]> {
+    let end = from.checked_add(count.checked_mul(size)?)?;
+    bytes.get(usize::try_from(from).ok()?..usize::try_from(end).ok()?)
+}
+
 /// Bytes per number of a GSD type: 4 is u64, 3 is u32, 9 is f32, all others are bytes.
 fn width(kind: u8) -> usize {
     match kind {
@@ -75,10 +81,10 @@ impl File {
         let (name, mut bytes) = (source.name, Vec::new());
         loop {
             let more = source.input.fill_buf().with_context(|| format!("cannot read {name}"))?;
-            if more.is_empty() {
+            let count = more.len();
+            if count == 0 {
                 break;
             }
-            let count = more.len();
             room_for(&mut bytes, count)?;
             bytes.extend_from_slice(more);
             source.input.consume(count);
@@ -88,16 +94,8 @@ impl File {
         let field = |k: usize| word(&bytes, 8 * k).with_context(torn);
         let [index, entries, list, labels] = [field(1)?, field(2)?, field(3)?, field(4)?];
         let version = field(5)? >> 48;
-        ensure!(
-            matches!(version, 1 | 2),
-            "{name} is GSD of version {version}; versions 1 and 2 are read"
-        );
-        // The size is checked against the bytes of the file before memory is reserved.
-        let part = |from: u64, count: u64, size: u64| {
-            let end = from.checked_add(count.checked_mul(size)?)?;
-            bytes.get(usize::try_from(from).ok()?..usize::try_from(end).ok()?)
-        };
-        let list = part(list, labels, 64).with_context(torn)?;
+        ensure!(matches!(version, 1 | 2), "{name} is GSD of version {version}, not 1 or 2");
+        let list = part(&bytes, list, labels, 64).with_context(torn)?;
         // Names fill 64 bytes each in version 1, and end with a zero byte in version 2.
         let until_zero = |name: &[u8]| name.split(|&b| b == 0).next().unwrap_or_default().to_vec();
         let names: Vec<Vec<u8>> = match version {
@@ -106,7 +104,7 @@ impl File {
             _ => list.split(|&b| b == 0).take(1 << 16).map(<[u8]>::to_vec).collect(),
         };
         let mut chunks = Vec::new();
-        for entry in part(index, entries, 32).with_context(torn)?.chunks_exact(32) {
+        for entry in part(&bytes, index, entries, 32).with_context(torn)?.chunks_exact(32) {
             let field = |at: usize| word(entry, at).unwrap_or_default();
             if field(16) == 0 {
                 break;
@@ -118,12 +116,8 @@ impl File {
             chunks.push(Chunk { frame, rows, columns, location, name, kind });
         }
         let frames = chunks.iter().map(|chunk| chunk.frame.saturating_add(1)).max().unwrap_or(0);
-        ensure!(
-            frames <= chunks.len() as u64 && chunks.is_sorted_by_key(|chunk| chunk.frame),
-            "{name}: the index of the GSD file names frame {}, and has {} entries; write it again",
-            frames.saturating_sub(1),
-            chunks.len()
-        );
+        let sound = frames <= chunks.len() as u64 && chunks.is_sorted_by_key(|chunk| chunk.frame);
+        ensure!(sound, "{name}: the frames in the index of the GSD file are wrong; write it again");
         Ok(File { bytes, chunks, names, frames })
     }
 
@@ -143,13 +137,9 @@ impl File {
             chunk.columns,
             chunk.kind
         );
-        let bytes = chunk.rows.checked_mul(u64::from(columns) * width(kind) as u64);
-        let end = bytes.and_then(|bytes| bytes.checked_add(chunk.location));
-        let range = usize::try_from(chunk.location).ok()..end.and_then(|end| end.try_into().ok());
-        let found = range.start.zip(range.end).and_then(|(from, to)| self.bytes.get(from..to));
-        found.with_context(|| {
-            format!("{name}: its {} rows go beyond the end of the file; write it again", chunk.rows)
-        })
+        let size = u64::from(columns) * width(kind) as u64;
+        let found = part(&self.bytes, chunk.location, chunk.rows, size);
+        found.with_context(|| format!("{name}: its rows go beyond the end of the file"))
     }
 
     fn floats(&self, frame: u64, name: &str, columns: u32) -> anyhow::Result<Option<Vec<f64>>> {
@@ -187,9 +177,8 @@ impl File {
             _ => {
                 let shapes = self.chunk(frame, "particles/type_shapes").is_some();
                 ensure!(!shapes, "{name} has sizes in particles/type_shapes alone; give --radius");
-                notices.push(Notice::Assumed(
+                notices.push(assumed!(
                     "the file has no diameters: HOOMD's default of 1 is used; --radius changes this"
-                        .into(),
                 ));
                 None
             }

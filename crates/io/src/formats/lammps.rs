@@ -14,13 +14,13 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::boxes::bound;
+use crate::boxes::{bound, in_order};
 use crate::columns::{Column, Columns};
 use crate::options::Options;
 use crate::particles::Loaded;
-use crate::raw::lines::{Lines, Source, short, shown, words};
+use crate::raw::lines::{Lines, Source, short, words};
 use crate::rows::Rows;
-use crate::types::{About, Declared, Notice};
+use crate::types::{About, Declared, assumed};
 
 /// Columns of each style; image flags may follow.
 const STYLES: [(&str, &str); 16] = [
@@ -56,7 +56,6 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
     let mut lines = Lines::new(source);
     let (mut n, mut header) = (None, Header::default());
     lines.advance()?;
-    let title = is_count(lines.line()).map(shown);
     while lines.advance_over_blanks()? {
         let line = lines.line();
         if let Some(count) = is_count(line) {
@@ -64,41 +63,26 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
         } else if header.take(&lines, options)? {
             continue;
         } else if words(line).next() == Some(b"Atoms") {
-            let n = n.with_context(|| match &title {
-                Some(n) => format!(
-                    "{}:1: the first line of a LAMMPS data file is a title, and '{n} atoms' \
-                     stands there; put a line before it",
-                    lines.source.name
-                ),
-                None => format!(
-                    "{}: no line such as '100 atoms' stands before the section Atoms",
-                    lines.place()
-                ),
+            let n = n.with_context(|| {
+                let place = lines.place();
+                format!(
+                    "{place}: no line '100 atoms' stands before Atoms, after the title in line 1"
+                )
             })?;
-            let style = lines
-                .text()
-                .split_once('#')
-                .map(|(_, style)| style.trim().to_string())
-                .filter(|style| !style.is_empty());
-            let mut rows = atoms(&mut lines, n, style.as_deref(), options)?;
+            let text = lines.text();
+            let style = text.split_once('#').map(|(_, style)| style.trim());
+            let style = style.filter(|style| !style.is_empty());
+            let mut rows = atoms(&mut lines, n, style, options)?;
             let Rows { columns, particles } = &mut rows;
-            let names = columns.names.join(" ");
-            let hybrid = style.as_deref().is_some_and(|style| style.starts_with("hybrid"));
-            let assumed = if style.is_none() && n > 0 {
-                Some(format!(
-                    "no atom style follows 'Atoms': the columns are read as {names}; --columns \
-                     changes this"
-                ))
-            } else {
-                (hybrid && particles.has_radii()).then(|| {
-                    format!(
-                        "the columns of the hybrid style are read as {names}; --radius or \
-                         --columns changes this"
-                    )
-                })
-            };
-            let assumed = assumed.filter(|_| options.columns.is_none());
-            particles.notices.extend(assumed.map(Notice::Assumed));
+            let hybrid = style.is_some_and(|style| style.starts_with("hybrid"));
+            let doubtful = style.is_none() && n > 0 || hybrid && particles.has_radii();
+            if doubtful && options.columns.is_none() {
+                particles.notices.push(assumed!(
+                    "the atom style does not name the columns; they are read as {}; --columns \
+                     changes this",
+                    columns.names.join(" ")
+                ));
+            }
             let (particles, about) = rows.read("LAMMPS data");
             return Ok((particles, About { declared: header.declared(), ..about }));
         }
@@ -128,12 +112,7 @@ impl Header {
         match words[..] {
             [lo, hi, axis @ (b"xlo" | b"ylo" | b"zlo"), ..] => {
                 let [lo, hi, _] = numbers(&[lo, hi])?;
-                ensure!(
-                    lo <= hi || options.boundaries.open || options.boundaries.edges.is_some(),
-                    "{}: the box goes from {lo} to {hi}; the lower bound stands first: mend the \
-                     file, or give --box or --open",
-                    lines.place()
-                );
+                in_order(&[[lo, hi]], options.boundaries).with_context(|| lines.place())?;
                 self.ranges[usize::from(axis[0] - b'x')] = Some([lo, hi]);
             }
             [xy, xz, yz, b"xy", b"xz", b"yz"] => self.tilt = Some(numbers(&[xy, xz, yz])?),
@@ -164,7 +143,7 @@ fn atoms(
     options: Options,
 ) -> anyhow::Result<Rows> {
     let place = lines.place();
-    let chosen = options.columns.is_some_and(|chosen| chosen.axes());
+    let chosen = options.axes_chosen();
     let styled = style.map(|style| styled(style, options));
     let mut rows = match styled {
         Some(Ok(columns)) => Some(columns.rows(&place, options)?),
@@ -182,7 +161,7 @@ fn atoms(
         if rows.is_none() {
             let count = words(line).count();
             let unstyled = match chosen {
-                true => Columns::named((1..=count).map(|k| format!("column {k}"))),
+                true => Columns::numbered(count),
                 false => unstyled(count).with_context(|| lines.place())?,
             };
             rows = Some(unstyled.rows(&lines.place(), options)?);
@@ -230,34 +209,10 @@ fn unstyled(count: usize) -> anyhow::Result<Columns> {
     let names = match count {
         5 => "id type x y z",
         6 => "id other type x y z",
-        _ => bail!("{count} columns, and no atom style behind 'Atoms'; {}", choices(count)),
+        _ => bail!(
+            "{count} columns, and no atom style behind 'Atoms'; write it there, as in 'Atoms # \
+             sphere', or assign the columns, as in --columns x=3,y=4,z=5,d=6"
+        ),
     };
     Ok(Columns { or_more: true, ..Columns::named(names.split(' ')) })
-}
-
-/// Lists the option for each style that has `count` columns, with or without image flags.
-fn choices(count: usize) -> String {
-    let mut known: Vec<(String, Vec<&str>)> = Vec::new();
-    for (style, names) in STYLES {
-        let names: Vec<&str> = names.split(' ').collect();
-        if names.len() != count && names.len() + 3 != count {
-            continue;
-        }
-        let place = |name| names.iter().position(|it| *it == name).map(|k| k + 1);
-        let keys = [("x", "x"), ("y", "y"), ("z", "z"), ("d", "diameter"), ("id", "id")];
-        let keys = keys.map(|(key, name)| place(name).map(|k| format!("{key}={k}")));
-        let option = keys.into_iter().flatten().collect::<Vec<_>>().join(",");
-        match known.iter_mut().find(|(known, _)| *known == option) {
-            Some((_, styles)) => styles.push(style),
-            None => known.push((option, vec![style])),
-        }
-    }
-    let choices: Vec<String> = known
-        .iter()
-        .map(|(option, styles)| format!("--columns {option} (style {})", styles.join(", ")))
-        .collect();
-    match choices.is_empty() {
-        true => "assign the columns, as in --columns x=3,y=4,z=5".into(),
-        false => format!("choose one: {}", choices.join("; ")),
-    }
 }

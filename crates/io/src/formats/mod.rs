@@ -11,11 +11,9 @@ mod vtk;
 mod xyz;
 
 use anyhow::{bail, ensure};
-pub(crate) use csv::names_a_frame;
 
 use crate::options::{Format, Options, Read};
 use crate::raw::lines::Source;
-use crate::types::Notice;
 
 /// A file whose frames are described by its index: a header, a table or a list of its arrays.
 struct Indexed<'a, T> {
@@ -175,11 +173,4 @@ fn detected(head: &[u8], name: &str, ending: &str) -> anyhow::Result<&'static Fo
             keys()
         ),
     }
-}
-
-/// Returns a notice if the name of an unused column or array hints at frames. Formats with frames
-/// of their own need none.
-pub(crate) fn maybe_frames(format: &str, unused: &[String]) -> Option<Notice> {
-    let table = format == "CSV" || format == "YADE text";
-    (table || format.starts_with("NumPy")).then(|| csv::maybe_frames(unused, table)).flatten()
 }

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 
 use crate::formats;
 use crate::frames::{self, Choice, Reader};
@@ -14,7 +14,7 @@ use crate::options::Options;
 use crate::particles::{Given, Loaded, Particles};
 use crate::raw::gzip::{self, Unpacking};
 use crate::raw::lines::Source;
-use crate::types::{About, Notice};
+use crate::types::{About, Frame, Notice};
 use contactbench_ground::scene::AnyScene;
 
 pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>> {
@@ -50,7 +50,13 @@ pub fn frames<T>(
     options: Options,
     body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
-    let Some(series) = series::of(path, options)? else {
+    let read = move |file: &Path, _, notice: &Option<Notice>| {
+        let options = Options { frame: Frame::Only, survey: false, ..options };
+        let ((mut particles, about), _) = opened(file, options, |mut frames| frames.one())?;
+        particles.notices.extend(notice.clone());
+        Ok((particles, About { file: Some(file.display().to_string()), ..about }))
+    };
+    let Some(series) = series::of(path, read)? else {
         return opened(path, options, body);
     };
     options.check()?;
@@ -152,29 +158,21 @@ pub struct Frames<'a> {
 
 impl Frames<'_> {
     fn chosen(mut self) -> anyhow::Result<Loaded> {
-        let (kept, frame) = self.one()?;
-        self.finished(kept, frame)
+        let (read, frame) = self.one()?;
+        self.finished(read, frame)
     }
 
-    fn raw(mut self) -> anyhow::Result<Loaded> {
-        self.one().map(|(kept, _)| kept)
-    }
-
-    fn one(&mut self) -> anyhow::Result<((Particles, About), u64)> {
+    /// Returns the chosen frame as it was read, and its number.
+    fn one(&mut self) -> anyhow::Result<(Loaded, u64)> {
         let Frames { reader, choice, name, .. } = self;
-        let (kept, frame) = frames::chosen(&mut **reader, choice, name)?;
-        let Some(mut kept) = kept else {
-            bail!("{name} holds no frame of particles; is it of another format?")
-        };
-        kept.0.notices.extend(choice.torn.take());
-        Ok((kept, frame))
+        let (read, frame) = frames::chosen(&mut **reader, choice, name)?;
+        let read = read.with_context(|| format!("{name} holds no frame of particles"));
+        let (mut particles, about) = read?;
+        particles.notices.extend(choice.torn.take());
+        Ok(((particles, about), frame))
     }
 
-    fn finished(
-        &self,
-        (particles, about): (Particles, About),
-        frame: u64,
-    ) -> anyhow::Result<Loaded> {
+    fn finished(&self, (particles, about): Loaded, frame: u64) -> anyhow::Result<Loaded> {
         let (gzip, frames) = (self.choice.gzip, self.choice.seen.max(1));
         let name = about.file.clone().unwrap_or_else(|| self.name.to_string());
         finished(particles, About { gzip, frames, frame, ..about }, &name, self.options)
@@ -189,7 +187,7 @@ impl Iterator for Frames<'_> {
             return None;
         }
         let next = self.reader.next(&mut self.choice).transpose()?;
-        let next = next.map_err(|error| self.choice.with_whole(error, self.name));
+        let next = next.map_err(|error| self.choice.with_whole(error));
         let frame = self.choice.seen.saturating_sub(1);
         let next = next.and_then(|read| self.finished(read, frame));
         self.ended = next.is_err();
@@ -214,7 +212,6 @@ fn finished(
         })?;
         groups.check(particles.len(), options.frame, name)?;
     }
-    particles.notices.extend(formats::maybe_frames(about.format, &particles.unused));
     let (dim, declared) = (particles.dim(), about.declared.as_ref());
     particles.lattice = options.boundaries.lattice(name, dim, declared, &mut particles.notices)?;
     particles.has_box = declared.is_some_and(|declared| declared.vectors.is_some());

@@ -5,19 +5,17 @@ use std::path::{Path, PathBuf};
 
 use anyhow::ensure;
 
-use super::opened;
 use crate::frames::{Choice, Reader, Step};
-use crate::options::Options;
-use crate::particles::Loaded;
 use crate::raw::lines::short;
-use crate::types::{About, Frame, Notice, assumed};
+use crate::types::{Notice, assumed};
 
 /// The files that match a pattern; each is one frame.
-pub struct Series {
+pub struct Series<'a, T> {
     files: Vec<PathBuf>,
     next: usize,
+    /// Reads a file, given its index and a notice about the order of the files.
+    read: Box<dyn FnMut(&Path, u64, &Option<Notice>) -> anyhow::Result<T> + 'a>,
     notice: Option<Notice>,
-    options: Options,
 }
 
 /// Whether the file exists, or a file matches the pattern.
@@ -25,15 +23,11 @@ pub fn exists(path: &Path) -> bool {
     path.exists() || pattern(path).is_some_and(|files| !files.is_empty())
 }
 
-/// Returns the files that `path` stands for; `None` if it is one file.
-pub fn of(path: &Path, options: Options) -> anyhow::Result<Option<Series>> {
-    let series = |(files, notice)| Series { files, next: 0, notice, options };
-    Ok(matching(path)?.map(series))
-}
-
-/// Returns the files that match a pattern, and a notice if there are several; `None` if `path` is
-/// not a pattern.
-pub(crate) fn matching(path: &Path) -> anyhow::Result<Option<(Vec<PathBuf>, Option<Notice>)>> {
+/// Returns the files that match a pattern; `None` if `path` is one file.
+pub fn of<'a, T>(
+    path: &Path,
+    read: impl FnMut(&Path, u64, &Option<Notice>) -> anyhow::Result<T> + 'a,
+) -> anyhow::Result<Option<Series<'a, T>>> {
     let Some(files) = pattern(path) else { return Ok(None) };
     ensure!(!files.is_empty(), "no file matches the pattern {}", path.display());
     let name = |path: &PathBuf| short(&path.file_name().unwrap_or_default().to_string_lossy());
@@ -46,7 +40,7 @@ pub(crate) fn matching(path: &Path) -> anyhow::Result<Option<(Vec<PathBuf>, Opti
         )),
         _ => None,
     };
-    Ok(Some((files, notice)))
+    Ok(Some(Series { files, next: 0, read: Box::new(read), notice }))
 }
 
 /// Returns the files that match a name with `*` or `?`, in natural order; `None` without these
@@ -89,43 +83,33 @@ fn matches(pattern: &[u8], name: &[u8]) -> bool {
 
 /// Compares names by texts and numbers, so that `b2` comes before `b10`.
 fn natural(a: &str, b: &str) -> Ordering {
-    let parts = |text: &str| {
-        let mut parts: Vec<(String, usize, String)> = vec![Default::default()];
-        for c in text.chars() {
-            let last = parts.len() - 1;
-            if c.is_ascii_digit() {
-                parts[last].2.push(c);
-            } else if parts[last].2.is_empty() {
-                parts[last].0.push(c);
-            } else {
-                parts.push((c.to_string(), 0, String::new()));
-            }
-        }
-        for (_, figures, digits) in &mut parts {
-            *digits = digits.trim_start_matches('0').to_string();
-            *figures = digits.len();
-        }
-        parts
+    // Numbers come before text, and are compared by their digits without zeros in front.
+    let key = |text: &str| {
+        let runs = text.as_bytes().chunk_by(|a, b| a.is_ascii_digit() == b.is_ascii_digit());
+        let key = |run: &[u8]| {
+            let zeros = run.iter().take_while(|c| **c == b'0').count();
+            let is_number = run[0].is_ascii_digit();
+            let run = run[if is_number { zeros } else { 0 }..].to_vec();
+            (!is_number, if is_number { run.len() } else { 0 }, run)
+        };
+        runs.map(key).collect::<Vec<_>>()
     };
-    parts(a).cmp(&parts(b)).then_with(|| a.cmp(b))
+    key(a).cmp(&key(b)).then_with(|| a.cmp(b))
 }
 
-impl Reader<Loaded> for Series {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<Loaded>> {
+impl<T> Reader<T> for Series<'_, T> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<T>> {
         // Files before the wanted one are not opened.
         self.next = self.next.max(choice.first_of(self.files.len()));
         while let Some(file) = self.files.get(self.next) {
-            let (index, name) = (self.next as u64, file.display().to_string());
-            let step = choice.begin_at(index, || name.clone())?;
+            let index = self.next as u64;
+            let step = choice.begin_at(index, || file.display().to_string())?;
             if step == Step::Stop {
                 return Ok(None);
             }
             self.next += 1;
             if step == Step::Keep {
-                let options = Options { frame: Frame::Only, survey: false, ..self.options };
-                let (mut particles, about) = opened(file, options, |frames| frames.raw())?;
-                particles.notices.extend(self.notice.clone());
-                return Ok(Some((particles, About { file: Some(name), ..about })));
+                return (self.read)(file, index, &self.notice).map(Some);
             }
         }
         Ok(None)

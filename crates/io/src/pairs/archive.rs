@@ -11,9 +11,9 @@ use super::{Table, push};
 use crate::formats::npy::{self, Header};
 use crate::formats::npz;
 use crate::frames::{Choice, Reader};
-use crate::raw::lines::{Source, listed, short};
+use crate::raw::lines::{Source, exact, listed, short};
 use crate::raw::room::room;
-use crate::types::{Frame, Notice};
+use crate::types::{Frame, assumed};
 
 /// Names that numpy.savez gives to unnamed arrays.
 const UNNAMED: [&str; 2] = ["arr_0", "arr_1"];
@@ -69,18 +69,13 @@ impl Arrays {
         let mut notices = Vec::new();
         if named.is_none() && self.names == UNNAMED {
             named = Some(Columns::bare(2));
-            let words = "the arrays arr_0 and arr_1 are taken as i and j; name them, as in \
-                         numpy.savez(file, i=i, j=j)";
-            notices.push(Notice::Assumed(words.into()));
+            notices.push(assumed!("the arrays arr_0 and arr_1 are taken as i and j"));
         }
         let Some(columns) = named else { return self.table(name) };
-        ensure!(
-            !self.names.iter().any(|name| ["frame", "step", "timestep"].contains(&&**name)),
-            "{name}: pairs of several frames are not read from npz; write them as CSV with a \
-             column frame"
-        );
-        let pair @ [i, j] = columns.pair();
-        let all = columns.image().iter().chain(&pair);
+        let framed = self.names.iter().any(|it| ["frame", "step", "timestep"].contains(&&**it));
+        ensure!(!framed, "{name}: pairs of several frames are read from CSV, with a column frame");
+        let pair @ [i, j] = columns.pair;
+        let all = columns.image.iter().chain(&pair);
         let n = self.columns[i].len();
         for &k in all {
             ensure!(
@@ -94,10 +89,10 @@ impl Arrays {
         let mut list = List { format: "NumPy npz", notices, ..List::default() };
         for row in 0..n {
             let mut numbers = [0; 3];
-            let of = columns.image().iter().map(|&k| self.columns[k][row]);
+            let of = columns.image.iter().map(|&k| self.columns[k][row]);
             numbers.iter_mut().zip(of).for_each(|(to, from)| *to = from);
             let pair = [self.columns[i][row], self.columns[j][row]];
-            let image = (!columns.image().is_empty()).then_some(numbers);
+            let image = (!columns.image.is_empty()).then_some(numbers);
             push(&mut list, pair, image, || format!("{name}: pair {row}"))?;
         }
         columns.end(&mut list);
@@ -140,7 +135,7 @@ fn columns(
     let mut are_whole = true;
     header.values(source, header.frame_size(), |k, value| {
         let column = &mut columns[k as usize % count];
-        are_whole &= value.fract() == 0.0 && value.abs() < 9e15;
+        are_whole &= exact(value).is_some();
         room(column)?;
         column.push(value as i64);
         Ok(())

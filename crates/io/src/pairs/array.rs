@@ -8,13 +8,13 @@
 //!
 //! Arrays in Fortran order, or of shape (2, pairs), are read whole.
 
-use anyhow::{bail, ensure};
+use anyhow::{Context, bail, ensure};
 
 use super::list::List;
 use super::{Rows, push};
 use crate::formats::npy::{self, Header};
 use crate::frames::Choice;
-use crate::raw::lines::Source;
+use crate::raw::lines::{Source, exact};
 use crate::raw::room::room;
 use crate::types::{Notice, assumed};
 
@@ -79,17 +79,17 @@ impl<'a> Array<'a> {
         let count = (pairs - *before).min(ROWS);
         header.values(source, count.saturating_mul(columns), |k, value| {
             let (row, column) = ((k / columns) as usize, (k % columns) as usize + first);
-            ensure!(
-                value.fract() == 0.0 && value.abs() < 9e15,
-                "{name}: pair {}: {value} is not the number of {}",
-                *before + k / columns,
-                ["a frame", "a particle", "a particle", "an image"][column.min(3)]
-            );
             if row == rows.len() {
                 room(rows)?;
                 rows.push([0; 6]);
             }
-            rows[row][column] = value as i64;
+            rows[row][column] = exact(value).with_context(|| {
+                let what = ["a frame", "a particle", "a particle", "an image"][column.min(3)];
+                format!(
+                    "{name}: pair {}: {value} is not the number of {what}",
+                    *before + row as u64
+                )
+            })?;
             Ok(())
         })?;
         if rows.is_empty() { source.end(header) } else { Ok(()) }

@@ -38,14 +38,12 @@ impl Other {
 
 #[derive(Clone, Default)]
 pub(super) struct Columns {
-    pair: [usize; 2],
-    image: Vec<usize>,
+    pub pair: [usize; 2],
+    pub image: Vec<usize>,
     /// Whether the image columns were guessed. A number that is not whole refutes the guess.
     guessed: bool,
     ids: bool,
     others: Vec<(usize, Other)>,
-    /// Indices into `others` of the columns with whole numbers only.
-    whole: Vec<usize>,
     count: usize,
 }
 
@@ -85,10 +83,9 @@ impl Columns {
             (k, Other { name: short(&names[k]), named, whole: !harmless })
         };
         let others: Vec<(usize, Other)> = others.map(other).collect();
-        let whole = (0..others.len()).filter(|&m| others[m].1.whole).collect();
         let ids = names[i].eq_ignore_ascii_case("id1");
         let (pair, guessed, count) = ([i, j], false, names.len());
-        Ok(Some(Columns { pair, image, guessed, ids, others, whole, count }))
+        Ok(Some(Columns { pair, image, guessed, ids, others, count }))
     }
 
     /// Takes the first two of `count` unnamed columns as the pair. The image has 2 or 3 more.
@@ -96,22 +93,11 @@ impl Columns {
         let guessed = [4, 5].contains(&count);
         let image = if guessed { (2..count).collect() } else { Vec::new() };
         let others = if guessed { Vec::new() } else { (2..count).map(unnamed).collect() };
-        Columns { pair: [0, 1], image, guessed, ids: false, others, whole: Vec::new(), count }
-    }
-
-    pub fn pair(&self) -> [usize; 2] {
-        self.pair
-    }
-
-    pub fn image(&self) -> &[usize] {
-        &self.image
+        Columns { pair: [0, 1], image, guessed, ids: false, others, count }
     }
 
     pub fn known(&mut self, column: usize) {
-        let Some(m) = self.others.iter().position(|(k, _)| *k == column) else { return };
-        self.others.remove(m);
-        self.whole.retain(|&k| k != m);
-        self.whole.iter_mut().filter(|k| **k > m).for_each(|k| *k -= 1);
+        self.others.retain(|(k, _)| *k != column);
     }
 
     pub fn push(
@@ -143,8 +129,9 @@ impl Columns {
             }
             read => read?,
         }
-        let others = &self.others;
-        self.whole.retain(|&m| cells.get(others[m].0).is_some_and(|cell| whole(cell).is_some()));
+        for (k, other) in self.others.iter_mut().filter(|(_, other)| other.whole) {
+            other.whole = cells.get(*k).is_some_and(|cell| whole(cell).is_some());
+        }
         if cells.len() > self.count {
             self.others.extend((self.count..cells.len()).map(unnamed));
             self.count = cells.len();
@@ -160,8 +147,6 @@ impl Columns {
             list.images.get_or_insert_default();
         }
         list.others = self.others.into_iter().map(|(_, other)| other).collect();
-        list.others.iter_mut().for_each(|other| other.whole = false);
-        self.whole.iter().for_each(|&m| list.others[m].whole = true);
     }
 }
 

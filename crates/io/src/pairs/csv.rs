@@ -8,10 +8,9 @@ use anyhow::{Context, ensure};
 use super::Rows;
 use super::columns::Columns;
 use super::list::List;
-use crate::formats::names_a_frame;
 use crate::frames::Choice;
-use crate::raw::lines::{Lines, Separator, decoded, number, short, shown, whole, words};
-use crate::types::Notice;
+use crate::raw::lines::{Lines, Separator, decoded, listed, number, shown, whole, words};
+use crate::types::{Notice, assumed};
 
 pub(super) struct Csv<'a> {
     lines: Lines<'a>,
@@ -19,9 +18,6 @@ pub(super) struct Csv<'a> {
     layout: Layout,
     columns: Option<Columns>,
     ahead: bool,
-    any: bool,
-    /// Comment before the current row that names a frame.
-    divided: Option<String>,
     notices: Vec<Notice>,
 }
 
@@ -63,24 +59,21 @@ impl Label {
         at(&["frame"]).map(of(false)).or_else(|| at(&["step", "timestep"]).map(of(true)))
     }
 
-    fn name(self) -> &'static str {
-        if self.is_step { "step" } else { "frame" }
-    }
-
     fn of(self, cells: &[&[u8]], lines: &Lines<'_>) -> anyhow::Result<i64> {
         let cell = cells.get(self.column).copied().unwrap_or_default();
         let label = whole(cell).filter(|&label| self.is_step || label >= 0);
         label.with_context(|| {
-            let (place, found) = (lines.place(), shown(cell));
-            format!("{place}: column {}: '{found}' is not a {}", self.column + 1, self.name())
+            let (place, found, column) = (lines.place(), shown(cell), self.column + 1);
+            let name = if self.is_step { "step" } else { "frame" };
+            format!("{place}: column {column}: '{found}' is not a {name}")
         })
     }
 }
 
 impl<'a> Csv<'a> {
     pub fn new(lines: Lines<'a>, chosen: &'a [&'a str]) -> Csv<'a> {
-        let (layout, columns, divided) = (Layout::default(), None, None);
-        Csv { lines, chosen, layout, columns, ahead: false, any: false, divided, notices: vec![] }
+        let layout = Layout::default();
+        Csv { lines, chosen, layout, columns: None, ahead: false, notices: Vec::new() }
     }
 
     fn header(&mut self) -> anyhow::Result<()> {
@@ -102,36 +95,34 @@ impl<'a> Csv<'a> {
             let separator = Separator::guess(if in_name { line } else { bare });
             let cells: Vec<&[u8]> = separator.cells(line).collect();
             let names: Vec<String> = cells.iter().map(|cell| decoded(cell)).collect();
+            let place = || lines.place();
             let header = is_header(&names) || is_pair(&names);
+            let label = if header { Label::named(&names) } else { None };
             if comment {
-                if let (true, Ok(Some(columns))) =
-                    (header, Columns::named(&names, chosen, || lines.place()))
-                {
-                    let label = Label::named(&names);
+                let named = Columns::named(&names, chosen, place).ok().flatten();
+                if let Some(columns) = named.filter(|_| header) {
                     self.layout = Layout { separator, columns: Some(columns), label };
                 }
                 continue;
             }
-            ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", lines.place());
-            let label = if header { Label::named(&names) } else { None };
-            let count =
-                if header { cells.len() } else { separator.cells(uncommented(line)).count() };
+            ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", place());
+            let count = separator.cells(uncommented(line)).count();
             let numbers = || (1..=count).map(|k| k.to_string()).collect();
             let names = if header { names } else { numbers() };
-            let named = Columns::named(&names, chosen, || lines.place())?;
-            ensure!(
-                named.is_some() || !header || names.len() == 2,
-                "{}: which columns hold the numbers of a pair? Name them with --pairs-columns I,J",
-                lines.place()
-            );
+            let named = Columns::named(&names, chosen, place)?;
             if header && named.is_none() {
-                self.notices.push(Notice::Assumed(format!(
-                    "line {} is taken for a header, with the names {} and {}; write i,j if it is \
-                     one, and numbers if it is a pair",
+                ensure!(
+                    names.len() == 2,
+                    "{}: which columns hold the numbers of a pair? Name them with --pairs-columns \
+                     I,J",
+                    place()
+                );
+                self.notices.push(assumed!(
+                    "line {} is taken for a header, with the names {}; write i,j if it is one, and \
+                     numbers if it is a pair",
                     lines.at(),
-                    short(&names[0]),
-                    short(&names[1])
-                )));
+                    listed(&names)
+                ));
             }
             let columns = named.unwrap_or_else(|| Columns::bare(names.len()));
             self.layout = Layout { separator, columns: Some(columns), label };
@@ -160,10 +151,6 @@ impl Rows for Csv<'_> {
                 let cells: Vec<&[u8]> = separator.cells(line).collect();
                 return label.map_or(Ok(0), |label| label.of(&cells, lines)).map(Some);
             }
-            let comment = lines.text();
-            if label.is_none() && self.any && names_a_frame(&comment) {
-                self.divided.get_or_insert(comment);
-            }
         }
         Ok(None)
     }
@@ -173,10 +160,6 @@ impl Rows for Csv<'_> {
     }
 
     fn take(&mut self, list: &mut List) -> anyhow::Result<()> {
-        self.any = true;
-        if let Some(comment) = self.divided.take() {
-            list.divided(&comment);
-        }
         let Some(columns) = &mut self.columns else { return Ok(()) };
         let cells: Vec<&[u8]> =
             self.layout.separator.cells(uncommented(self.lines.line())).collect();

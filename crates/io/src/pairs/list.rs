@@ -3,7 +3,6 @@
 use anyhow::ensure;
 
 use super::Other;
-use crate::raw::lines::short;
 use crate::types::Notice;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,17 +58,6 @@ impl List {
             );
         }
         Ok(())
-    }
-
-    pub(super) fn divided(&mut self, comment: &str) {
-        let words = format!(
-            "the comment '{}' among the pairs may begin another frame, and all pairs are taken as \
-             one list; write the frame as a column",
-            short(comment)
-        );
-        if self.notices.is_empty() {
-            self.notices.push(Notice::Assumed(words));
-        }
     }
 
     pub fn without_box(&mut self) {

@@ -7,7 +7,7 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, ensure};
 
@@ -76,36 +76,18 @@ pub fn lists<T>(
     body: impl FnOnce(Lists<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let name = path.display().to_string();
-    if let Some((files, notice)) = series::matching(path)? {
-        let reader = Box::new(Files { files, notice, columns, next: 0 });
+    let mut is_first = true;
+    let read = move |file: &Path, index, notice: &Option<Notice>| {
+        let mut list = read(file, columns, Frame::Only)?;
+        list.notices.extend(notice.clone().filter(|_| std::mem::take(&mut is_first)));
+        Ok(List { frame: Some(index), sparse: false, ..list })
+    };
+    if let Some(series) = series::of(path, read)? {
         let choice = Choice::new(frame, false);
-        return body(Lists { reader, choice, name: &name, ended: false });
+        return body(Lists { reader: Box::new(series), choice, name: &name, ended: false });
     }
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
     lists_from(BufReader::with_capacity(1 << 17, file), &name, columns, frame, body)
-}
-
-struct Files<'a> {
-    files: Vec<PathBuf>,
-    notice: Option<Notice>,
-    columns: &'a [&'a str],
-    next: usize,
-}
-
-impl Reader<List> for Files<'_> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<List>> {
-        // Files before the wanted one are not opened.
-        self.next = self.next.max(choice.first_of(self.files.len()));
-        let Some(file) = self.files.get(self.next) else { return Ok(None) };
-        let frame = self.next as u64;
-        self.next += 1;
-        if choice.begin_at(frame, || file.display().to_string())? == Step::Stop {
-            return Ok(None);
-        }
-        let mut list = read(file, self.columns, Frame::Only)?;
-        list.notices.extend(self.notice.take());
-        Ok(Some(List { frame: Some(frame), sparse: false, ..list }))
-    }
 }
 
 pub fn lists_from<T>(

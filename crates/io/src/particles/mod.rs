@@ -224,13 +224,12 @@ fn without_radii(names: &[String]) -> String {
         ["rad", "diam", "size"].iter().any(|part| name.contains(part))
     };
     let (mut shown, others): (Vec<&String>, Vec<&String>) = names.iter().partition(like);
-    let name = shown.first().map_or("NAME".into(), |name| short(name));
     shown.extend(others);
     let there = match shown[..] {
         [] => "; add a column named r".into(),
         _ => format!(
             " in a column r, radius, d or diameter; not used: {}; if one holds them, give \
-             --columns r={name} or d={name}",
+             --columns r=NAME or d=NAME",
             listed(&shown)
         ),
     };

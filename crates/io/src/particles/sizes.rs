@@ -3,7 +3,7 @@
 use anyhow::ensure;
 
 use crate::columns::Column;
-use crate::raw::lines::{among, short};
+use crate::raw::lines::{among, exact, short};
 use crate::raw::room::room;
 use crate::types::{Notice, RadiusSource, assumed};
 
@@ -73,11 +73,12 @@ impl Ids {
     }
 
     pub fn push(&mut self, value: f64) -> anyhow::Result<()> {
-        let is_whole = value.fract() == 0.0 && value.abs() < 9e15;
-        self.values = self.values.take().filter(|_| is_whole);
-        if let Some(values) = &mut self.values {
-            room(values)?;
-            values.push(value as i64);
+        match (exact(value), &mut self.values) {
+            (Some(id), Some(values)) => {
+                room(values)?;
+                values.push(id);
+            }
+            _ => self.values = None,
         }
         Ok(())
     }

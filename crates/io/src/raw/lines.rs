@@ -111,11 +111,7 @@ impl<'a> Lines<'a> {
         self.number
     }
 
-    /// The number of the line, and whether it ends with a line feed.
-    pub fn end(&self) -> (u64, bool) {
-        (self.number, self.ended)
-    }
-
+    /// Whether the line ends with a line feed.
     pub fn ended(&self) -> bool {
         self.ended
     }
@@ -206,7 +202,12 @@ pub fn whole(cell: &[u8]) -> Option<i64> {
     let (mantissa, exponent) = text.split_once(['e', 'E', 'd', 'D']).unwrap_or((text, "0"));
     let places = mantissa.split_once('.').map_or(0, |(_, places)| places.len());
     let complete = exponent.parse::<i64>().is_ok_and(|exponent| exponent <= places as i64);
-    number(cell).filter(|x| complete && x.fract() == 0.0 && x.abs() < 9e15).map(|x| x as i64)
+    number(cell).filter(|_| complete).and_then(exact)
+}
+
+/// Returns a number of a binary file as a whole number; `None` if it is not whole or not exact.
+pub fn exact(value: f64) -> Option<i64> {
+    (value.fract() == 0.0 && value.abs() < 9e15).then_some(value as i64)
 }
 
 pub(crate) fn step_of(cell: &[u8]) -> Option<i64> {

@@ -1,68 +1,61 @@
 //! Binary numbers of several types and byte orders.
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F32,
-    F64,
+use crate::raw::lines::among;
+
+macro_rules! kinds {
+    ($($kind:ident $type:ty, $codes:literal, $names:literal;)*) => {
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Kind {
+            $($kind),*
+        }
+
+        impl Kind {
+            /// Finds a type by its name in VTK.
+            pub fn named(name: &str) -> Option<Kind> {
+                let name = name.to_ascii_lowercase();
+                [$((Kind::$kind, $names)),*].into_iter().find(|it| among(it.1, &name)).map(|it| it.0)
+            }
+
+            /// Finds a type by its code in NumPy, without byte order.
+            pub fn coded(code: &str) -> Option<Kind> {
+                [$((Kind::$kind, $codes)),*].into_iter().find(|it| among(it.1, code)).map(|it| it.0)
+            }
+
+            pub fn width(self) -> usize {
+                match self {
+                    $(Kind::$kind => size_of::<$type>(),)*
+                }
+            }
+
+            /// Converts the first bytes to f64. Whole numbers above 2^53 are rounded; too few bytes
+            /// give 0.
+            #[inline]
+            pub fn get(self, bytes: &[u8], big: bool) -> f64 {
+                match (self, big) {
+                    $(
+                        (Kind::$kind, true) => {
+                            bytes.first_chunk().map_or(0.0, |&it| <$type>::from_be_bytes(it) as f64)
+                        }
+                        (Kind::$kind, false) => {
+                            bytes.first_chunk().map_or(0.0, |&it| <$type>::from_le_bytes(it) as f64)
+                        }
+                    )*
+                }
+            }
+        }
+    };
 }
 
-impl Kind {
-    pub fn named(name: &str) -> Option<Kind> {
-        Some(match name.to_ascii_lowercase().as_str() {
-            "char" | "int8" | "signed_char" => Kind::I8,
-            "uchar" | "uint8" | "unsigned_char" => Kind::U8,
-            "short" | "int16" => Kind::I16,
-            "ushort" | "uint16" | "unsigned_short" => Kind::U16,
-            // Legacy files of VTK write ids as int, whatever their type in memory.
-            "int" | "int32" | "vtkidtype" => Kind::I32,
-            "uint" | "uint32" | "unsigned_int" => Kind::U32,
-            "long" | "int64" | "vtktypeint64" => Kind::I64,
-            "ulong" | "uint64" | "unsigned_long" | "vtktypeuint64" => Kind::U64,
-            "float" | "float32" => Kind::F32,
-            "double" | "float64" => Kind::F64,
-            _ => return None,
-        })
-    }
-
-    pub fn width(self) -> usize {
-        match self {
-            Kind::I8 | Kind::U8 => 1,
-            Kind::I16 | Kind::U16 => 2,
-            Kind::I32 | Kind::U32 | Kind::F32 => 4,
-            Kind::I64 | Kind::U64 | Kind::F64 => 8,
-        }
-    }
-
-    /// Converts the first bytes to f64. Whole numbers above 2^53 are rounded; too few bytes give 0.
-    #[inline]
-    pub fn get(self, bytes: &[u8], big: bool) -> f64 {
-        macro_rules! get {
-            ($type:ty) => {
-                bytes.first_chunk().map_or(0.0, |&word| {
-                    (if big { <$type>::from_be_bytes(word) } else { <$type>::from_le_bytes(word) })
-                        as f64
-                })
-            };
-        }
-        match self {
-            Kind::I8 => get!(i8),
-            Kind::U8 => get!(u8),
-            Kind::I16 => get!(i16),
-            Kind::U16 => get!(u16),
-            Kind::I32 => get!(i32),
-            Kind::U32 => get!(u32),
-            Kind::I64 => get!(i64),
-            Kind::U64 => get!(u64),
-            Kind::F32 => get!(f32),
-            Kind::F64 => get!(f64),
-        }
-    }
+// Legacy files of VTK write ids as int, whatever their type in memory.
+kinds! {
+    I8 i8, "i1", "char int8 signed_char";
+    U8 u8, "u1 b1", "uchar uint8 unsigned_char";
+    I16 i16, "i2", "short int16";
+    U16 u16, "u2", "ushort uint16 unsigned_short";
+    I32 i32, "i4", "int int32 vtkidtype";
+    U32 u32, "u4", "uint uint32 unsigned_int";
+    I64 i64, "i8", "long int64 vtktypeint64";
+    U64 u64, "u8", "ulong uint64 unsigned_long vtktypeuint64";
+    F32 f32, "f4", "float float32";
+    F64 f64, "f8", "double float64";
 }

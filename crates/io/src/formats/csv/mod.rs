@@ -19,7 +19,6 @@ mod header;
 mod split;
 
 use anyhow::{bail, ensure};
-pub(crate) use split::{maybe_frames, names_a_frame};
 
 use crate::columns::Columns;
 use crate::formats::csv::header::Table;
@@ -64,8 +63,8 @@ impl Reader<Loaded> for Csv<'_> {
             let frame = || table.frame(kept, columns.radius(), index, lines.source.name);
             let mut read = is_kept.then(frame).transpose()?;
             match table.is_row {
-                true => choice.done_before(lines),
-                false => choice.done(Some(lines.end()), read.as_mut().map(|(kept, _)| kept)),
+                true => choice.whole = choice.seen,
+                false => choice.done(lines.ended(), read.as_mut().map(|(kept, _)| kept)),
             }
             if read.is_some() {
                 return Ok(read);

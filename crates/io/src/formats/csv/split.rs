@@ -19,8 +19,6 @@ const NAMES: [(Kind, &str); 3] = [
     (Kind::Step, "timestep step steps stepno timestepindex iteration iter tstep"),
     (Kind::Time, "time t times"),
 ];
-/// Parts of column names that hint at frames.
-const LIKE: [&str; 6] = ["frame", "time", "step", "slice", "cycle", "snapshot"];
 /// Names of columns that are read as ids if no column is named id.
 const IDS: &str = "particle particleid pid trackid atomid bodyid";
 
@@ -41,24 +39,9 @@ fn kind(name: &str) -> Option<Kind> {
     NAMES.iter().find(|(_, names)| among(names, &name)).map(|(kind, _)| *kind)
 }
 
-/// Returns a notice if the name of an unused column or array hints at frames. In a `table`, the
-/// names in [`NAMES`] are not reported, because they split it.
-pub(crate) fn maybe_frames(unused: &[String], table: bool) -> Option<Notice> {
-    let like = |name: &&String| {
-        let lower = name.to_lowercase();
-        LIKE.iter().any(|part| lower.contains(part)) && !(table && kind(name).is_some())
-    };
-    let name = short(unused.iter().find(like)?);
-    let remedy = match table {
-        true => format!("--columns frame={name} splits the rows"),
-        false => "save one array of shape (frames, N, 3), or a table with that column".into(),
-    };
-    Some(assumed!("'{name}' is not used: all particles are of one time; if it has times, {remedy}"))
-}
-
 /// Whether a comment starts with the name of a frame, a step or a time and contains a number, as in
 /// `t = 0.5`.
-pub(crate) fn names_a_frame(comment: &str) -> bool {
+fn names_a_frame(comment: &str) -> bool {
     let is_between = |c: char| !c.is_ascii_alphanumeric() && !"._+-".contains(c);
     let parts = || comment.split(is_between).filter(|part| !part.is_empty());
     parts().next().is_some_and(|part| kind(part).is_some())

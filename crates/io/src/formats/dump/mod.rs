@@ -62,8 +62,8 @@ impl Framed for Dump<'_> {
         Ok(Some((particles, About { declared, step, time, ..about })))
     }
 
-    fn end(&self) -> Option<(u64, bool)> {
-        Some(self.headers.lines.end())
+    fn has_feed(&self) -> bool {
+        self.headers.lines.ended()
     }
 }
 

@@ -325,19 +325,7 @@ fn parse(text: &str) -> anyhow::Result<Header> {
 
 /// Returns the number type of a `descr` such as `<f8`, and whether it is big-endian.
 pub(super) fn kind_of(descr: &str) -> Option<(Kind, bool)> {
-    let kind = match descr.get(1..)? {
-        "f8" => Kind::F64,
-        "f4" => Kind::F32,
-        "u4" => Kind::U32,
-        "i4" => Kind::I32,
-        "u8" => Kind::U64,
-        "i8" => Kind::I64,
-        "u2" => Kind::U16,
-        "i2" => Kind::I16,
-        "u1" | "b1" => Kind::U8,
-        "i1" => Kind::I8,
-        _ => return None,
-    };
+    let kind = Kind::coded(descr.get(1..)?)?;
     match descr.as_bytes()[0] {
         // Single bytes have no byte order.
         b'<' | b'|' => Some((kind, false)),

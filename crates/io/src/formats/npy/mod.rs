@@ -13,7 +13,7 @@ mod fields;
 mod frames;
 mod header;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, anyhow, bail, ensure};
 
 use crate::columns::Column;
 use crate::options::Options;
@@ -58,32 +58,17 @@ pub fn particles(
         _ => (3, true),
     };
     let mut particles = Particles::new(dim, has_radii);
-    let checked = |value: f64, row: u64, column: usize| {
-        let axis = if column == dim { "radius" } else { ["x", "y", "z"][column.min(2)] };
-        ensure!(
-            value.is_finite(),
-            "{name}: particle {row} (from 0): {axis} is {value}; it must be finite: mend or \
-             remove the row"
-        );
-        let negative = column == dim && value < 0.0;
-        ensure!(
-            !negative,
-            "{name}: particle {row} (from 0): the radius {value} is negative; mend or remove the \
-             row"
-        );
-        Ok(value)
-    };
     // An array with fewer rows than parts is kept whole.
     let part = options.part.filter(|[_, parts]| rows >= *parts);
     let kept = part.map_or(0..rows, |[k, parts]| rows * k / parts..rows * (k + 1) / parts);
     particles.first = part.map(|_| kept.start);
     header.pieces(source, rows, columns, |first, numbers| {
-        let mut sound = true;
-        numbers.iter().for_each(|x| sound &= x.is_finite());
-        let mut rows = numbers.chunks_exact(columns);
-        if !sound || has_radii && !rows.all(|row| row[dim] >= 0.0) {
+        for (row, numbers) in (first..).zip(numbers.chunks_exact(columns)) {
             for (k, &value) in numbers.iter().enumerate() {
-                checked(value, first + (k / columns) as u64, k % columns)?;
+                let column = if k == dim { Column::Radius } else { Column::Axis(k) };
+                column.value(value).map_err(|why| {
+                    anyhow!("{name}: particle {row} (from 0): {} {value} {why}", column.words())
+                })?;
             }
         }
         let last = first + (numbers.len() / columns) as u64;
@@ -104,9 +89,7 @@ pub fn list(
     let name = source.name;
     header.values(source, header.count(), |row, value| {
         let value = column.value(value).map_err(|why| {
-            anyhow::anyhow!(
-                "{name}: particle {row} (from 0): a number of '{label}' {why}; mend or remove it"
-            )
+            anyhow!("{name}: particle {row} (from 0): a number of '{label}' {why}")
         })?;
         room(&mut list)?;
         list.push(value);

@@ -74,8 +74,9 @@ impl Vtk<'_> {
                 self.array(Target::points(), kind, 3 * n, "POINTS")?;
             }
             ("POINT_DATA", [n, ..]) => {
-                (self.of, self.tuples) = (Of::Points, self.points);
-                self.same_number(n)?;
+                let (n, points) = (self.count(n, "the number of points")?, self.points);
+                ensure!(n == points, "{place}: data of {n} points, but there are {points} POINTS");
+                (self.of, self.tuples) = (Of::Points, points);
             }
             ("CELL_DATA", [n, ..]) => {
                 // Cell data are not needed if the points have sizes.
@@ -88,7 +89,11 @@ impl Vtk<'_> {
             ("OFFSETS" | "CONNECTIVITY", [kind, ..]) => {
                 bail!("{place}: {first} {} without CELLS before it", short(kind))
             }
-            ("DIMENSIONS", sizes) => self.grid(sizes),
+            // A grid of points counts as one face or body, unless it is a single row of points.
+            ("DIMENSIONS", sizes) => {
+                let long = |text: &&&str| text.parse::<u64>().is_ok_and(|n| n > 1);
+                self.arrays.cells.faces += u64::from(sizes.iter().filter(long).count() > 1);
+            }
             ("CELL_TYPES", [n, ..]) => {
                 let n = self.count(n, "the number of cells")?;
                 self.array(Target::Types(Cells::default()), Kind::I32, n, "CELL_TYPES")?;
@@ -108,18 +113,17 @@ impl Vtk<'_> {
                 let target = self.arrays.target(self.of, "GlobalIds", kind, 1, self.options)?;
                 self.array(target, kind, self.tuples, name)?;
             }
-            ("PEDIGREE_IDS", [name, kind]) => self.skip(kind, 1, name)?,
             ("SCALARS", [name, kind, rest @ ..]) => self.scalars(name, kind, rest.first())?,
+            ("PEDIGREE_IDS", [name, kind]) => self.skip(kind, 1, name)?,
             ("VECTORS" | "NORMALS", [name, kind, ..]) => self.skip(kind, 3, name)?,
             ("TENSORS", [name, kind, ..]) => self.skip(kind, 9, name)?,
             ("TEXTURE_COORDINATES", [name, k, kind, ..]) => {
                 self.skip(kind, k.parse().unwrap_or(0), name)?;
             }
-            ("COLOR_SCALARS", [name, k]) => self.skip(
-                if self.binary { "uchar" } else { "float" },
-                k.parse().unwrap_or(0),
-                name,
-            )?,
+            ("COLOR_SCALARS", [name, k]) => {
+                let kind = if self.binary { "uchar" } else { "float" };
+                self.skip(kind, k.parse().unwrap_or(0), name)?;
+            }
             ("FIELD", [_, count, ..]) => {
                 for _ in 0..self.count(count, "a number of arrays")? {
                     self.field()?;
@@ -151,15 +155,6 @@ impl Vtk<'_> {
         self.array(target, kind, components.saturating_mul(self.tuples), name)
     }
 
-    /// Counts a grid of points as one face or body, unless it is a single row of points.
-    fn grid(&mut self, sizes: &[&str]) {
-        let long = |text: &&&str| text.parse::<u64>().is_ok_and(|n| n > 1);
-        match sizes.iter().filter(long).count() {
-            0 | 1 => {}
-            _ => self.arrays.cells.faces += 1,
-        }
-    }
-
     fn count(&self, text: &str, what: &str) -> anyhow::Result<u64> {
         self.lines.count(text.as_bytes(), what)
     }
@@ -169,13 +164,6 @@ impl Vtk<'_> {
             let (place, name) = (self.lines.place(), short(name));
             format!("{place}: numbers of type '{name}' are not read; write float or double")
         })
-    }
-
-    fn same_number(&self, n: &str) -> anyhow::Result<()> {
-        let n = self.lines.count(n.as_bytes(), "the number of points")?;
-        let (place, points) = (self.lines.place(), self.points);
-        ensure!(n == points, "{place}: data of {n} points, but there are {points} POINTS");
-        Ok(())
     }
 
     fn array(
@@ -230,8 +218,8 @@ impl Vtk<'_> {
         let [label, components, tuples, kind] = &words[..] else {
             bail!("{place}: an array begins with a line 'name components tuples type'")
         };
-        let components = self.lines.count(components.as_bytes(), "a number of components")?;
-        let tuples = self.lines.count(tuples.as_bytes(), "a number of tuples")?;
+        let components = self.count(components, "a number of components")?;
+        let tuples = self.count(tuples, "a number of tuples")?;
         let kind = self.kind(kind)?;
         let of = if tuples == self.tuples { self.of } else { Of::Nothing };
         let target = self.arrays.target(of, label, kind, components, self.options);
@@ -251,10 +239,9 @@ impl Vtk<'_> {
             _ => &mut 0,
         };
         *joining = joining.saturating_add(cells);
-        let points = matches!(what, "VERTICES" | "CELLS");
-        let target = match points {
-            true => Target::Indices { seen: 0, in_order: true, counted: old },
-            false => Target::Nothing,
+        let target = match what {
+            "VERTICES" | "CELLS" => Target::Indices { seen: 0, in_order: true, counted: old },
+            _ => Target::Nothing,
         };
         if old {
             return self.array(target, Kind::I32, size, what);

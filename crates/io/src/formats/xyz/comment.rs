@@ -181,56 +181,27 @@ impl Scan<'_> {
 
     fn value(&mut self) -> Result<(String, Vec<String>), Fault> {
         let start = self.at;
-        let words = |text: &str| {
-            let words = text.split(|c: char| c == ',' || c.is_whitespace());
-            words.filter(|word| !word.is_empty()).map(String::from).collect()
-        };
         let text = match self.peek() {
             None | Some('=') => return Err((start, "no value stands behind '='")),
-            Some('[') => {
-                let mut cells = Vec::new();
-                self.array(&mut cells, true)?;
-                return Ok((self.line[start..self.at].into(), cells));
-            }
+            Some('[') => self.array()?,
             Some('{') => self.quoted('}')?,
             Some(quote @ ('"' | '\'')) => self.quoted(quote)?,
             Some(_) => self.bare(char::is_whitespace),
         };
-        let cells = words(&text);
+        let ends = |c: char| c.is_whitespace() || ",[]\"'".contains(c);
+        let cells = text.split(ends).filter(|cell| !cell.is_empty()).map(String::from).collect();
         Ok((text, cells))
     }
 
-    fn array(&mut self, cells: &mut Vec<String>, rows: bool) -> Result<usize, Fault> {
-        let (start, mut count, mut length) = (self.at, 0, None);
-        self.next();
-        loop {
-            self.blanks();
-            let at = self.at;
-            match self.peek() {
-                None => return Err((start, "the bracket that begins here has no end")),
-                Some(']') => {
-                    self.next();
-                    return Ok(count);
-                }
-                Some(',') => {
-                    self.next();
-                    continue;
-                }
-                Some('[') if rows => {
-                    let row = self.array(cells, false)?;
-                    if *length.get_or_insert(row) != row {
-                        return Err((at, "the rows of the array are not equally long"));
-                    }
-                }
-                Some('[') => return Err((at, "arrays have two levels at most")),
-                Some(quote @ ('"' | '\'')) => cells.push(self.quoted(quote)?),
-                Some(_) => {
-                    let ends = |c: char| c.is_whitespace() || [',', '[', ']'].contains(&c);
-                    cells.push(self.bare(ends));
-                }
+    fn array(&mut self) -> Result<String, Fault> {
+        let (start, mut open) = (self.at, 0);
+        while let Some(c) = self.next() {
+            open += i32::from(c == '[') - i32::from(c == ']');
+            if open == 0 {
+                return Ok(self.line[start..self.at].into());
             }
-            count += 1;
         }
+        Err((start, "the bracket that begins here has no end"))
     }
 }
 

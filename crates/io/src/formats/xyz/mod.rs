@@ -13,8 +13,8 @@
 
 mod comment;
 
-use anyhow::{Context, bail, ensure};
-use comment::Comment;
+use anyhow::{Context, ensure};
+use comment::{Comment, Pair};
 
 use crate::boxes;
 use crate::boxes::Boundaries;
@@ -23,7 +23,7 @@ use crate::frames::Framed;
 use crate::options::{Opened, Options};
 use crate::particles::Loaded;
 use crate::raw::lines::{Lines, Source, number, short, shown, step_of, words};
-use crate::types::{About, Declared, Notice};
+use crate::types::{About, Declared, Notice, assumed};
 
 const MOST_COLUMNS: usize = 10_000;
 
@@ -70,8 +70,8 @@ impl Framed for Xyz<'_> {
         (0..n).try_for_each(|k| self.lines.row(k, n, ROWS)).map(|()| None)
     }
 
-    fn end(&self) -> Option<(u64, bool)> {
-        Some(self.lines.end())
+    fn has_feed(&self) -> bool {
+        self.lines.ended()
     }
 }
 
@@ -82,10 +82,9 @@ fn maybe_box(line: &str) -> Option<Notice> {
     let numbers = cells.filter(|cell| number(cell.as_bytes()).is_some_and(|x| x > 0.0)).count();
     let columns = line.to_ascii_lowercase().contains("columns:");
     (numbers >= 3 || columns).then(|| {
-        Notice::Assumed(
+        assumed!(
             "line 2 may hold a box or the names of columns, in a form that is not read: boundaries \
              are open, and columns are species x y z; --box and --columns change this"
-                .into(),
         )
     })
 }
@@ -106,46 +105,39 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
     };
     let mut rows = columns.rows(&lines.place(), options)?;
     let plain = rows.columns.or_more;
+    let unsure = plain && options.columns.is_none();
     for k in 0..n {
         lines.row(k, n, ROWS)?;
         let line = lines.line();
-        if plain && options.columns.is_none() {
-            let first = words(line).next().unwrap_or_default();
-            ensure!(
-                number(first).is_none_or(|value| value.fract() == 0.0),
-                "{}: '{}' is where the species is expected, because a plain XYZ file has species x \
-                 y z; assign the columns, as in --columns x=1,y=2,z=3,r=4",
-                lines.place(),
-                shown(first)
-            );
-        }
-        if plain && options.radius.is_none() && options.columns.is_none() {
-            let count = words(line).count();
-            ensure!(
-                count <= rows.columns.names.len(),
-                "{}: {count} columns in a plain XYZ file: it is not known whether the others are \
-                 radii; give --radius R to skip them, or name them in line 2 as in \
-                 Properties=species:S:1:pos:R:3:radius:R:1",
-                lines.place()
-            );
-        }
+        let first = words(line).next().unwrap_or_default();
+        ensure!(
+            !unsure || number(first).is_none_or(|value| value.fract() == 0.0),
+            "{}: '{}' is where the species is expected in a plain XYZ file; assign the columns, as \
+             in --columns x=1,y=2,z=3,r=4",
+            lines.place(),
+            shown(first)
+        );
+        ensure!(
+            !unsure || options.radius.is_some() || words(line).count() <= rows.columns.names.len(),
+            "{}: a plain XYZ file has 4 columns; give --radius R to skip the others, or name them \
+             in line 2 as in Properties=species:S:1:pos:R:3:radius:R:1",
+            lines.place()
+        );
         rows.push(line, lines)?;
     }
     let (mut particles, about) = rows.read(if plain { "XYZ" } else { "extended XYZ" });
     let silent = plain && declared.is_none() && options.boundaries == Boundaries::AS_DECLARED;
     particles.notices.extend(maybe_box(&line).filter(|_| silent));
-    let first = |keys: &[&str]| {
-        keys.iter().find_map(|key| comment.get(key)?.cells.first()).map(String::as_bytes)
-    };
-    let step = first(&["step", "timestep"]).and_then(step_of);
-    let time = first(&["time"]).and_then(number);
+    let first = |key: &str| comment.get(key)?.cells.first().map(String::as_bytes);
+    let step = first("step").or(first("timestep")).and_then(step_of);
+    let time = first("time").and_then(number);
     Ok((particles, About { declared, step, time, ..about }))
 }
 
 fn columns(comment: &Comment, options: Options) -> anyhow::Result<Columns> {
     match comment.get("Properties") {
-        Some(pair) => {
-            announced(&pair.text).with_context(|| format!("Properties={}", short(&pair.text)))
+        Some(Pair { text, .. }) => {
+            announced(text).with_context(|| format!("Properties={}", short(text)))
         }
         None => {
             if options.columns.is_none() {
@@ -203,11 +195,11 @@ fn announced(properties: &str) -> anyhow::Result<Columns> {
         "it must be triples name:type:number, as in species:S:1:pos:R:3:radius:R:1"
     );
     for triple in parts.chunks_exact(3) {
-        let (name, count) =
-            (triple[0], triple[2].parse::<usize>().ok().filter(|count| (1..=1000).contains(count)));
-        let Some(count) = count else {
-            bail!("'{}' is not a number of columns from 1 to 1000", short(triple[2]))
-        };
+        let name = triple[0];
+        let count = triple[2].parse().ok().filter(|count: &usize| (1..=1000).contains(count));
+        let of_columns =
+            || format!("'{}' is not a number of columns from 1 to 1000", short(triple[2]));
+        let count = count.with_context(of_columns)?;
         // Without this limit, a line of a million letters could reserve gigabytes for columns.
         ensure!(
             columns.names.len() + count <= MOST_COLUMNS,
@@ -216,10 +208,8 @@ fn announced(properties: &str) -> anyhow::Result<Columns> {
         for k in 0..count {
             let (meaning, name) = match (name.to_ascii_lowercase().as_str(), Column::named(name)) {
                 ("pos", _) => {
-                    ensure!(
-                        count == 2 || count == 3,
-                        "pos has {count} columns; it must have 2 or 3"
-                    );
+                    let fits = matches!(count, 2 | 3);
+                    ensure!(fits, "pos has {count} columns; it must have 2 or 3");
                     (Column::Axis(k), ["x", "y", "z"][k].to_string())
                 }
                 (_, meaning @ (Column::Radius | Column::Diameter | Column::Id)) if count == 1 => {
@@ -231,9 +221,7 @@ fn announced(properties: &str) -> anyhow::Result<Columns> {
             columns.names.push(name);
         }
     }
-    ensure!(
-        columns.meaning.contains(&Column::Axis(0)),
-        "there is no pos; the positions must be named pos:R:3"
-    );
+    let has_places = columns.has_places();
+    ensure!(has_places, "there is no pos; the positions must be named pos:R:3");
     Ok(columns)
 }
