@@ -16,7 +16,6 @@ use contactbench_detectors::oracle;
 use contactbench_detectors::oracle::Errors;
 use contactbench_detectors::oracle::boxes;
 use contactbench_detectors::spec;
-use contactbench_detectors::spec::{DetectorSpec, SpecError};
 use contactbench_detectors::table;
 use contactbench_detectors::tracker::TrackerSpec;
 use contactbench_ground::contact::Arithmetic;
@@ -177,28 +176,13 @@ unsafe fn create<T>(
         // SAFETY: the caller promises that texts end with a NUL.
         let (name, arithmetic) = unsafe { (text(name)?, self::arithmetic(arithmetic)?) };
         let spec = parse(name)?;
-        usable(spec.detector(), threads)?;
+        spec.detector().usable(threads).map_err(Failure::invalid)?;
         let make = move |memory_limit| spec.make(Options { memory_limit, threads });
         let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
         // SAFETY: `made` is not null, and the caller promises that it can be written to.
         unsafe { made.write(Box::into_raw(Box::new(wrap(handle)))) };
         Ok(())
     })
-}
-
-/// Refuses controls, and detectors that cannot use this many threads.
-fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
-    if spec.entry.is_control() {
-        return Err(Failure::invalid(SpecError::Unknown { name: spec.entry.name.into() }));
-    }
-    if threads > 1 && !spec.entry.threads || !(1..=1024).contains(&threads) {
-        return Err(Failure::invalid(format!(
-            "{} cannot use {threads} threads; give 1, or with streamed-nbs, cell-grid and direct \
-             up to 1024",
-            spec.entry.name
-        )));
-    }
-    Ok(())
 }
 
 /// # Safety

@@ -34,6 +34,18 @@ impl DetectorSpec {
         (self.entry.constructor)(&self.params, options)
     }
 
+    /// Checks that users may choose this detector, with this many threads.
+    ///
+    /// # Errors
+    /// Fails for controls, and for several threads that the detector cannot use.
+    pub fn usable(&self, threads: usize) -> Result<(), SpecError> {
+        let Entry { name, threads: several, .. } = *self.entry;
+        if self.entry.is_control() {
+            return Err(SpecError::Unknown { name: name.into() });
+        }
+        if threads > 1 && !several { Err(SpecError::Sequential { name, threads }) } else { Ok(()) }
+    }
+
     /// Returns the detector with its defaults and with every other word (not number) of each
     /// parameter, and all of these for each further set of vector instructions that the processor
     /// has.
@@ -107,6 +119,17 @@ pub enum SpecError {
     Unknown {
         /// Name as given.
         name: String,
+    },
+    /// Several threads for a detector that uses one.
+    #[error(
+        "{name} is sequential and cannot use {threads} threads; give threads=1, or take \
+         streamed-nbs, cell-grid or direct"
+    )]
+    Sequential {
+        /// Name of the detector.
+        name: &'static str,
+        /// Number of threads.
+        threads: usize,
     },
     /// A text that is not of the form `name:parameter=value`, or an unknown parameter or value.
     #[error(transparent)]

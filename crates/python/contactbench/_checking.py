@@ -146,4 +146,5 @@ def check(
         )
         for each in found.pop("failures")
     ]
-    return Check(failures, **found)
+    verdict = "wrong" if failures else "right" if found["cases"] else "nothing"
+    return Check(failures, verdict, **found)

@@ -118,7 +118,51 @@ def contacts(
     return search.contacts(centres, radii, edges)
 
 
-class Detector:
+class _Search:
+    """What detectors and trackers share."""
+
+    _native: native.Search
+
+    @property
+    def name(self) -> str:
+        """The detector, with parameters that differ from its defaults, or the tracker."""
+        return self._native.name
+
+    @property
+    def arithmetic(self) -> str:
+        """How contacts are decided."""
+        return self._native.arithmetic
+
+    @property
+    def threads(self) -> int:
+        """Number of threads."""
+        return self._native.threads
+
+    @property
+    def memory_limit(self) -> int:
+        """Limit in bytes for the arrays, and again for the pairs."""
+        return self._native.memory_limit
+
+    @overload
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: None = None
+    ) -> tuple[Pairs, None]: ...
+    @overload
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike
+    ) -> tuple[Pairs, Images]: ...
+    @overload
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None
+    ) -> tuple[Pairs, Images | None]: ...
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None
+    ) -> tuple[Pairs, Images | None]:
+        """Find the pairs that touch, in a scene or the next frame; see the function `contacts`."""
+        return self._native.contacts(*arrays(x, r, box))
+
+
+class Detector(_Search):
     """A detector that keeps its buffers: a call for a scene like the one before allocates only its
     answer.
 
@@ -160,44 +204,6 @@ class Detector:
         """Copies and unpickled detectors have their own buffers."""
         return type(self), (self.name, self.arithmetic, self.threads, self.memory_limit)
 
-    @property
-    def name(self) -> str:
-        """The detector, with parameters that differ from its defaults."""
-        return self._native.name
-
-    @property
-    def arithmetic(self) -> str:
-        """How contacts are decided."""
-        return self._native.arithmetic
-
-    @property
-    def threads(self) -> int:
-        """Number of threads."""
-        return self._native.threads
-
-    @property
-    def memory_limit(self) -> int:
-        """Limit in bytes for the arrays, and again for the pairs."""
-        return self._native.memory_limit
-
-    @overload
-    def contacts(
-        self, x: npt.ArrayLike, r: npt.ArrayLike, box: None = None
-    ) -> tuple[Pairs, None]: ...
-    @overload
-    def contacts(
-        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike
-    ) -> tuple[Pairs, Images]: ...
-    @overload
-    def contacts(
-        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None
-    ) -> tuple[Pairs, Images | None]: ...
-    def contacts(
-        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None
-    ) -> tuple[Pairs, Images | None]:
-        """Find the pairs that touch; see the function `contacts`."""
-        return self._native.contacts(*arrays(x, r, box))
-
     def count(
         self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None
     ) -> dict[str, int]:
@@ -215,7 +221,7 @@ class Detector:
         return f"Detector({self.name!r}, arithmetic={self.arithmetic!r}, threads={self.threads})"
 
 
-class Verlet:
+class Verlet(_Search):
     """A tracker of moving particles. It keeps a list of near pairs (a Verlet list), and rebuilds it
     only if particles have moved too far.
 
@@ -270,11 +276,6 @@ class Verlet:
         return type(self), self._asked
 
     @property
-    def name(self) -> str:
-        """The tracker, as ``contactbench track`` writes it."""
-        return self._native.name
-
-    @property
     def steps(self) -> int:
         """Number of frames so far."""
         return self._native.done[0]
@@ -298,24 +299,6 @@ class Verlet:
     def built(self) -> bool:
         """Whether the list was built in the last frame."""
         return self._native.done[4]
-
-    @overload
-    def contacts(
-        self, x: npt.ArrayLike, r: npt.ArrayLike, box: None = None
-    ) -> tuple[Pairs, None]: ...
-    @overload
-    def contacts(
-        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike
-    ) -> tuple[Pairs, Images]: ...
-    @overload
-    def contacts(
-        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None
-    ) -> tuple[Pairs, Images | None]: ...
-    def contacts(
-        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None
-    ) -> tuple[Pairs, Images | None]:
-        """Find the pairs that touch in the next frame; see the function `contacts`."""
-        return self._native.contacts(*arrays(x, r, box))
 
     def forget(self) -> None:
         """Make the next frame count as the first."""

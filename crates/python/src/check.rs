@@ -8,7 +8,7 @@ use contactbench_ground::periodic::ImagePair;
 use contactbench_ground::scene::AnyScene;
 use contactbench_run::check::answer::Answer;
 use contactbench_run::check::subject::CheckedSubject;
-use contactbench_run::check::{Failure as Found, Limits, Verdict, Wrong, battery};
+use contactbench_run::check::{Failure as Found, Limits, Wrong, battery};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::{PyException, PyMemoryError, PyNotImplementedError};
 use pyo3::prelude::*;
@@ -53,14 +53,8 @@ pub fn check<'py>(
             None => Ok(report?),
         }
     })?;
-    let verdict = match report.verdict() {
-        Verdict::Right => "right",
-        Verdict::Wrong => "wrong",
-        Verdict::Nothing => "nothing",
-    };
     let failures = report.failures.iter().map(|failure| found(py, failure));
     let out = dict!(py, report => cases, scenes, cut);
-    out.set_item("verdict", verdict)?;
     out.set_item("failures", failures.collect::<PyResult<Vec<_>>>()?)?;
     out.set_item("refused", report.refused.into_iter().collect::<BTreeMap<_, _>>())?;
     Ok(out)

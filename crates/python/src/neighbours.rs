@@ -1,7 +1,7 @@
 //! Arrays of a neighbour list, made from the contacts of particles of equal radii.
 
 use contactbench_ground::limits::refusal::{Refusal, reserve};
-use contactbench_ground::periodic::{ContactList, ImagePair};
+use contactbench_ground::periodic::ContactList;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
@@ -49,6 +49,18 @@ fn zeros<T: Clone + Default>(len: usize) -> Result<Vec<T>, Refusal> {
     Ok(vec![T::default(); len])
 }
 
+/// Calls `put` with the particles and the shift of each entry.
+fn entries(contacts: &ContactList, half: bool, mut put: impl FnMut(u32, u32, [i32; 3])) {
+    let mut both = |i, j, shift: [i32; 3]| {
+        put(i, j, shift);
+        if !half {
+            put(j, i, shift.map(|s| -s));
+        }
+    };
+    contacts.plain.iter().for_each(|&[i, j]| both(i, j, [0; 3]));
+    contacts.shifted.iter().for_each(|it| both(it.i, it.j, it.image));
+}
+
 impl Table {
     fn new(
         particles: usize,
@@ -57,14 +69,7 @@ impl Table {
         shifts: bool,
     ) -> Result<Table, Refusal> {
         let mut offsets: Vec<i64> = zeros(particles + 1)?;
-        let sides = if wanted.half { 1 } else { 2 };
-        let mut count = |pair: [u32; 2]| {
-            for &i in &pair[..sides] {
-                offsets[i as usize] += 1;
-            }
-        };
-        contacts.plain.iter().for_each(|&pair| count(pair));
-        contacts.shifted.iter().for_each(|pair| count([pair.i, pair.j]));
+        entries(contacts, wanted.half, |i, _, _| offsets[i as usize] += 1);
         let mut len = 0;
         for offset in &mut offsets {
             len += std::mem::replace(offset, len);
@@ -72,25 +77,14 @@ impl Table {
         let len = len as usize;
         let mut list =
             Table { offsets, j: zeros(len)?, shifts: zeros(if shifts { len } else { 0 })? };
-        let mut put = |[i, of]: [u32; 2]| {
+        entries(contacts, wanted.half, |i, j, shift| {
             let at = &mut list.offsets[i as usize];
-            list.j[*at as usize] = i64::from(of);
+            list.j[*at as usize] = i64::from(j);
+            if shifts {
+                list.shifts[*at as usize] = shift;
+            }
             *at += 1;
-            *at as usize - 1
-        };
-        for &[i, j] in &contacts.plain {
-            for &pair in &[[i, j], [j, i]][..sides] {
-                put(pair);
-            }
-        }
-        for &ImagePair { i, j, image } in &contacts.shifted {
-            for (&pair, sign) in [[i, j], [j, i]][..sides].iter().zip([1, -1]) {
-                let at = put(pair);
-                if shifts {
-                    list.shifts[at] = image.map(|s| sign * s);
-                }
-            }
-        }
+        });
         // Each offset has moved to the end of its row, which is the start of the next row.
         list.offsets.rotate_right(1);
         list.offsets[0] = 0;

@@ -3,7 +3,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use contactbench_detectors::spec;
-use contactbench_detectors::spec::{DetectorSpec, SpecError};
 use contactbench_detectors::tracker;
 use contactbench_detectors::tracker::TrackerSpec;
 use contactbench_ground::contact::Arithmetic;
@@ -23,20 +22,6 @@ use crate::failure::{Failure, patient, pool, work};
 use crate::given::{Arrays, Edges, answer, arithmetic};
 
 type Answer = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>);
-
-fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
-    if spec.entry.is_control() {
-        return Err(Failure::value(SpecError::Unknown { name: spec.entry.name.into() }));
-    }
-    if threads > 1 && !spec.entry.threads {
-        return Err(Failure::value(format!(
-            "{} is sequential and cannot use {threads} threads; give threads=1, or take \
-             streamed-nbs, cell-grid or direct",
-            spec.entry.name
-        )));
-    }
-    Ok(())
-}
 
 /// Prepares a scene for the search; fails if it certainly has too many pairs.
 fn loaded<'a>(
@@ -200,7 +185,7 @@ impl Search {
             true => tracker::parse(text).map_err(Failure::value)?,
             false => TrackerSpec::EveryStep(spec::parse(text).map_err(Failure::value)?),
         };
-        usable(spec.detector(), threads)?;
+        spec.detector().usable(threads).map_err(Failure::value)?;
         let memory_limit = memory_limit.unwrap_or_else(memory::default_limit);
         let finder = Owned::new(fresh(&spec, memory_limit, threads)?, threads);
         let (arithmetic, done) = (self::arithmetic(arithmetic)?, Mutex::default());

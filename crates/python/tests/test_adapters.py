@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from contactbench import check_neighbours
-from contactbench.adapters import ADAPTERS, available, external
-from contactbench.kit.checking import function_name
+from contactbench.adapters import ADAPTERS, external
 from contactbench.kit.naming import function_of
 
 SKEWED = [[5, 0, 0], [1.5, 5, 0], [-1, 2, 6]]
@@ -136,18 +135,3 @@ def test_batches_of_an_adapter_are_right(name):
     _, options = function_of(name)
     check = check_neighbours(ADAPTERS[name], cases=["batches"], quick=True, **options)
     assert check and check.systems == 17 and check.convention.systems == "offsets", str(check)
-
-
-def test_a_failure_of_a_batch_names_the_method_of_the_adapter():
-    assert function_name(ADAPTERS["contactbench"].batch) == (
-        'contactbench.adapters:ADAPTERS["contactbench"].batch'
-    )
-
-
-def test_each_adapter_is_available_or_names_the_reason():
-    table = available()
-    assert list(table) == list(ADAPTERS)
-    assert table["openmm"].startswith("unavailable: ")
-    for name, adapter in ADAPTERS.items():
-        assert (table[name] == f"unavailable: {adapter.missing}") == bool(adapter.missing)
-        assert adapter.rule in ("<", "<=") and adapter.division in ("exact", "tolerant")
