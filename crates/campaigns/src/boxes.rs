@@ -25,7 +25,6 @@ use contactbench_ground::detect::any::AnyDetector;
 use contactbench_ground::periodic;
 use contactbench_ground::periodic::{ContactList, ImagePair, Periodic};
 use contactbench_ground::probe::{Op, Tally};
-use contactbench_ground::scene::{AnyScene, Scene};
 use contactbench_lists::periodic::Finder;
 
 use crate::draw::{Draw, Sphere};
@@ -225,10 +224,7 @@ impl<const D: usize> Row<'_, D> {
         (whole, draw.exponent(index as i64 % 4, 400))
     }
 
-    fn run(&self, index: usize, draw: &mut Draw) -> Counts
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
+    fn run(&self, index: usize, draw: &mut Draw) -> Counts {
         let mut counts = Counts::default();
         let (whole, exponent) = self.scene(index, draw);
         let Some(periodic) = whole.periodic(exponent, draw) else {

@@ -8,7 +8,6 @@ use contactbench_ground::contact::{Bodies, Test, WithBodies, with_bodies};
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::probe::{Op, Tally};
 use contactbench_ground::scene::{Radii, Scene};
-use nalgebra::Point;
 use num_bigint::BigInt;
 
 use crate::draw::{Draw, Sphere, power};
@@ -77,12 +76,12 @@ fn batch<const D: usize>(
             _ => needle(draw),
         };
         judge(&pair, k, &mut counts);
-        centres.extend([Point::from(pair.a), Point::from(pair.b)]);
+        centres.extend([pair.a, pair.b]);
         radii.extend([pair.ra, pair.rb]);
         truths.push(pair.truth);
     }
     let radii = if uniform { Radii::Uniform(radii[0]) } else { Radii::Each(radii.into()) };
-    let Ok(scene) = Scene::new(centres, radii) else {
+    let Ok(scene) = Scene::at(centres, radii) else {
         counts.add(What::Refused, 1);
         return counts;
     };

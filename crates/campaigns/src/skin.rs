@@ -16,9 +16,8 @@
 use contactbench_detectors::table::DetectorSpec;
 use contactbench_detectors::tracker::TrackerSpec;
 use contactbench_ground::contact::Arithmetic;
-use contactbench_ground::scene::{AnyScene, Scene};
+use contactbench_ground::scene::AnyScene;
 use contactbench_lists::track::{Rule, Skin};
-use nalgebra::Point;
 
 use crate::draw::{Draw, Sphere, direction, power, square};
 use crate::moving::{Frame, RULES, add, detectors};
@@ -27,9 +26,8 @@ use crate::whole::sizes;
 use crate::{Plan, Table, What, in_batches};
 
 /// A few particles in consecutive frames; two of them form the pair under test.
-#[derive(Debug)]
-pub struct Pair<const D: usize> {
-    pub name: &'static str,
+struct Pair<const D: usize> {
+    name: &'static str,
     /// Centres of each frame, in units.
     frames: Vec<Vec<[i64; D]>>,
     /// Radii in half units.
@@ -37,7 +35,7 @@ pub struct Pair<const D: usize> {
     /// The length of a unit is 2^exponent.
     exponent: i32,
     /// Skin in diameters of the largest particle.
-    pub skin: f64,
+    skin: f64,
     /// Skin in half units.
     skin_units: i64,
     /// The frame in which the gap of the pair is about the skin.
@@ -68,7 +66,7 @@ pub fn pairs(plan: Plan) -> Table {
 }
 
 impl<const D: usize> Pair<D> {
-    pub fn new(sphere: &Sphere<D>, draw: &mut Draw) -> Pair<D> {
+    fn new(sphere: &Sphere<D>, draw: &mut Draw) -> Pair<D> {
         let mut pair = if draw.once_in(3) { thin(draw) } else { line(sphere, draw) };
         // Some pairs part and meet again.
         if draw.once_in(4) {
@@ -85,57 +83,42 @@ impl<const D: usize> Pair<D> {
         pair
     }
 
-    pub fn frame_count(&self) -> usize {
-        self.frames.len()
-    }
-
-    pub fn bodies(&self, k: usize) -> (Vec<[f64; D]>, Vec<f64>) {
-        let (unit, half) = (power(self.exponent), power(self.exponent - 1));
-        let centres = self.frames[k].iter().map(|x| x.map(|x| x as f64 * unit)).collect();
-        (centres, self.radii.iter().map(|&r| r as f64 * half).collect())
-    }
-
     /// Runs trackers with all rules over the frames, in exact arithmetic and in a rounded one.
-    fn follow(&self, detector: &DetectorSpec, draw: &mut Draw, table: &mut Table)
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
+    fn follow(&self, detector: &DetectorSpec, draw: &mut Draw, table: &mut Table) {
         let mut counts = crate::Counts::default();
         counts.add(What::Came, self.came() as u64);
         table.add(self.name, "pairs", counts);
-        let all = 0..self.frame_count();
+        let all = 0..self.frames.len();
         let exact = |k: usize| Frame { scene: self.scene(k), truth: self.touching(k) };
-        let rounded = [Arithmetic::F32, Arithmetic::F64][draw.below(2) as usize];
-        let stored = all.clone().map(|k| Frame::new(&self.scene(k), rounded)).collect();
-        for (arithmetic, frames) in
-            [(Arithmetic::Exact, Some(all.map(exact).collect())), (rounded, stored)]
-        {
-            let frames: Vec<Frame> = frames.unwrap_or_default();
-            for rule in RULES.into_iter().chain([NEARLY]).filter(|_| !frames.is_empty()) {
+        let exact: Vec<Frame> = all.clone().map(exact).collect();
+        let rounded = draw.one_of(&[Arithmetic::F32, Arithmetic::F64]);
+        // Absent if the arithmetic cannot store a frame.
+        let stored: Option<Vec<Frame>> = all.map(|k| Frame::new(&self.scene(k), rounded)).collect();
+        let kinds = [(Arithmetic::Exact, exact)].into_iter().chain(stored.map(|it| (rounded, it)));
+        for (arithmetic, frames) in kinds {
+            for rule in RULES.into_iter().chain([NEARLY]) {
                 let (detector, skin) = (detector.clone(), Skin::Diameters(self.skin));
                 add(table, &TrackerSpec::Verlet { detector, skin, rule }, &frames, arithmetic);
             }
         }
     }
 
-    fn scene(&self, k: usize) -> AnyScene<'static>
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
-        let (centres, radii) = self.bodies(k);
-        let centres: Vec<_> = centres.into_iter().map(Point::from).collect();
-        Scene::new(centres, sizes(radii)).expect("coordinates and radii are below 2^960").into()
+    fn scene(&self, k: usize) -> AnyScene<'static> {
+        let (unit, half) = (power(self.exponent), power(self.exponent - 1));
+        let centres = self.frames[k].iter().map(|x| x.map(|x| x as f64 * unit));
+        let radii = self.radii.iter().map(|&r| r as f64 * half).collect();
+        AnyScene::at(centres, sizes(radii)).expect("coordinates and radii are below 2^960")
     }
 
     /// Returns the pairs that touch in frame `k`, in ascending order.
-    pub fn touching(&self, k: usize) -> Vec<[u32; 2]> {
+    fn touching(&self, k: usize) -> Vec<[u32; 2]> {
         self.within(k, 0)
     }
 
     /// Counts pairs that touch in the last frame and were farther apart than the skin at the start.
     fn came(&self) -> usize {
         let near = self.within(self.start, self.skin_units);
-        self.touching(self.frame_count() - 1).iter().filter(|pair| !near.contains(pair)).count()
+        self.touching(self.frames.len() - 1).iter().filter(|pair| !near.contains(pair)).count()
     }
 
     /// Returns the pairs in frame `k` with a gap of at most this many half units.

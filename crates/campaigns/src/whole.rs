@@ -3,8 +3,7 @@
 use std::cmp::Ordering;
 
 use contactbench_ground::periodic::{ImagePair, Periodic};
-use contactbench_ground::scene::{AnyScene, Lattice, Radii, Scene};
-use nalgebra::Point;
+use contactbench_ground::scene::{AnyScene, Lattice, Radii};
 
 use crate::draw::{Draw, power};
 use crate::near::{Near, gap};
@@ -141,13 +140,9 @@ impl<const D: usize> Whole<D> {
     }
 
     /// Converts the scene to doubles in units of 2^`exponent`, with a random corner of the box.
-    pub fn periodic(&self, exponent: i32, draw: &mut Draw) -> Option<Periodic<'static>>
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
+    pub fn periodic(&self, exponent: i32, draw: &mut Draw) -> Option<Periodic<'static>> {
         let (unit, half) = (power(exponent), power(exponent - self.fine - 1));
-        let centres: Vec<_> =
-            self.points.iter().map(|x| Point::from(x.map(|x| x as f64 * unit))).collect();
+        let centres = self.points.iter().map(|x| x.map(|x| x as f64 * unit));
         let radius = |r: &i64| *r as f64 * half;
         let radii = sizes(self.radii.iter().map(radius).collect());
         let mut vectors = [[0.0; 3]; 3];
@@ -162,7 +157,7 @@ impl<const D: usize> Whole<D> {
             true => Lattice::new(vectors, self.periodic, origin).ok()?,
             false => Lattice::OPEN,
         };
-        Periodic::new(Scene::new(centres, radii).ok()?.into(), lattice).ok()
+        Periodic::new(AnyScene::at(centres, radii).ok()?, lattice).ok()
     }
 }
 
