@@ -18,15 +18,15 @@ fn scene(text: &str) -> AnyScene<'static> {
 }
 
 const SCENES: [&str; 9] = [
-    "packed:n=3000",
-    "packed:dim=3,n=3000",
-    "loose:n=3000",
-    "loose:dim=3,n=3000,fraction=0.001",
-    "clustered:dim=3,n=3000",
+    "packed:n=1500",
+    "packed:dim=3,n=1500",
+    "loose:n=1500",
+    "loose:dim=3,n=1500,fraction=0.001",
+    "clustered:dim=3,n=1500",
     "pack-c:n=2500,s=50",
     "packed:dim=3,n=1",
-    "loose:n=3000,fraction=0.5,sizes=power,exponent=-3,size-ratio=20",
-    "clustered:dim=3,n=3000,sizes=giants,giants=3,size-ratio=30",
+    "loose:n=1500,fraction=0.5,sizes=power,exponent=-3,size-ratio=20",
+    "clustered:dim=3,n=1500,sizes=giants,giants=3,size-ratio=30",
 ];
 
 /// Scenes that are large enough for a second thread, and too large to test all pairs.
@@ -59,10 +59,10 @@ fn formulas_hold_and_warm_calls_allocate_nothing() {
 }
 
 const BOXES: [&str; 4] = [
-    "packed:n=3000",
-    "packed:dim=3,n=3000",
-    "loose:dim=3,n=3000",
-    "loose:n=3000,fraction=0.5,sizes=power,exponent=-3,size-ratio=20",
+    "packed:n=1500",
+    "packed:dim=3,n=1500",
+    "loose:dim=3,n=1500",
+    "loose:n=1500,fraction=0.5,sizes=power,exponent=-3,size-ratio=20",
 ];
 
 fn stored(text: &str, all: &[Arithmetic]) -> Vec<(AnyScene<'static>, Arithmetic)> {

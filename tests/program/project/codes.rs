@@ -1,10 +1,10 @@
-//! Runs the commands of docs/YOUR-CODE.md in simulation codes with their own lists, and makes the
-//! table of settings. A test passes with a remark if its code is not installed.
+//! Runs the commands of docs/YOUR-CODE.md in simulation codes with their own lists. A test passes
+//! with a remark if its code is not installed.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::common::{PROGRAM, Place, ended, foreign, not_started, untested};
+use crate::common::{Place, ended, foreign, not_started, untested};
 
 const PAGE: &str = include_str!("../../../docs/YOUR-CODE.md");
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/codes");
@@ -87,54 +87,4 @@ fn the_page_holds_for_liggghts() {
 fn the_page_holds_for_yade() {
     let command = ["yade", "-x", "-n", "-j1", "chute_yade.py", "{\"steps\": 2100}"];
     the_page_holds("YADE", "python", "chute_yade.py", "O.dt = ", &command);
-}
-
-/// The table of settings shows no missed contact for a list rebuilt by displacement, but some for a
-/// list rebuilt every hundred steps.
-#[test]
-fn settings_are_told_apart_or_say_how_to_get_the_code() {
-    if !starts("python3") {
-        return untested("examples/codes", "python3");
-    }
-    foreign("examples/codes", settings_are_told_apart);
-}
-
-fn settings_are_told_apart() -> Result<(), String> {
-    let at = Place::new();
-    let driver =
-        format!("python3 {FOLDER}/codes.py --quick --blocks 1 --steps 1500 --codes lammps");
-    let mut command: Vec<&str> = driver.split(' ').collect();
-    command.extend(["--only", "chute: neighbor 0.1 bin, every 1"]);
-    command.extend(["--contactbench", PROGRAM, "--out", "out"]);
-    ends(&at, &command)?;
-    let (table, page) = (at.read("out/settings.csv"), at.read("out/report.md"));
-    let mut table = csv::Reader::from_reader(table.as_bytes());
-    let head = table.headers().unwrap().clone();
-    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
-    let of = |row: usize, name: &str| &rows[row][head.iter().position(|it| it == name).unwrap()];
-    assert_eq!(rows.len(), 3);
-    if !starts("lmp") {
-        untested("examples/codes", "installation of LAMMPS");
-        for row in 0..rows.len() {
-            assert_eq!(of(row, "outcome"), "unavailable");
-            assert!(of(row, "reason").contains("apt-get install lammps"));
-        }
-        assert!(page.contains("apt-get install lammps"));
-        return Ok(());
-    }
-    for row in 0..rows.len() {
-        let setting = of(row, "setting");
-        if let Some(reason) = not_started(of(row, "reason")) {
-            return Err(reason);
-        }
-        let said = of(row, "missed").parse::<u64>();
-        let said = said.unwrap_or_else(|_| panic!("{setting}: {}", of(row, "reason")));
-        assert_eq!((of(row, "outcome"), of(row, "spurious")), ("ok", "0"), "{setting}");
-        assert!(of(row, "step_ns").parse::<f64>().unwrap() > 0.0, "{setting}");
-        assert!(page.contains(setting));
-        let careless = setting.contains("check no");
-        assert_eq!(of(row, "dangerous") == "not checked", careless, "{setting}");
-        assert_eq!(said > 0, careless, "{setting}: {said}");
-    }
-    Ok(())
 }

@@ -83,41 +83,6 @@ fn the_books_ten_particles_are_shown_as_printed() {
     }
 }
 
-#[test]
-fn the_lists_that_are_shown_hold_the_particles_of_their_cells() {
-    for (algorithm, link, letters) in
-        [(Algorithm::Nbs, 'X', &['A', 'a'][..]), (Algorithm::Screening, 'E', &['C'])]
-    {
-        for given in [None, Some(scene("packed:n=40")), Some(scene("clustered:n=30"))] {
-            let trace = trace(algorithm, given.as_ref()).unwrap();
-            let (nx, mut seen) = (trace.cells.count[0], 0);
-            for step in
-                trace.steps.iter().filter(|step| trace.parts[step.part].ends_with("are checked"))
-            {
-                for &letter in letters {
-                    for (list, head) in (0..).zip(step.state.array(letter)) {
-                        let cell = match letter {
-                            'A' => [list, step.marks.row.unwrap()],
-                            'a' => [list, step.marks.row.unwrap() - 1],
-                            _ => [list % nx, list / nx],
-                        };
-                        let mut shown = step.state.chain(link, head.value);
-                        shown.sort_unstable();
-                        let there: Vec<u32> = (0..)
-                            .zip(&trace.discs)
-                            .filter(|(_, disc)| disc.cell == cell)
-                            .map(|(k, _)| k)
-                            .collect();
-                        assert_eq!(shown, there, "{algorithm:?} {letter} {cell:?}: {}", step.words);
-                        seen += there.len();
-                    }
-                }
-            }
-            assert!(seen > 0);
-        }
-    }
-}
-
 /// Checks examples G2 (pages 90 and 91) and G3 (95 to 98) of the book, and a binary tree.
 #[test]
 fn the_other_examples_are_shown_as_printed() {

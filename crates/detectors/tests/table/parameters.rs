@@ -1,10 +1,9 @@
 //! Tests of detectors' parameters, and of the ranks of detectors that establish the truth.
 
 use contactbench_detectors::oracle::truth;
-use contactbench_detectors::table::{DEFAULT, Parameter, Role, TABLE, find, judges, parse};
+use contactbench_detectors::table::{Parameter, Role, TABLE, judges, parse};
 use contactbench_ground::contact::{Arithmetic, Test};
 use contactbench_ground::detect::Options;
-use contactbench_ground::detect::any::Params;
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::pairs::normalise::normalise;
 use contactbench_ground::scene::AnyScene;
@@ -43,19 +42,6 @@ fn parameters_change_no_contact() {
         }
     }
     assert!(detected >= 15, "three forms, and at least best and portable");
-}
-
-#[test]
-fn missing_instructions_are_refused_and_available_ones_listed() {
-    let level = if cfg!(target_arch = "aarch64") { "avx512" } else { "neon" };
-    let params = Params::from([("level".to_string(), level.to_string())]);
-    let mut pairs = Vec::new();
-    let refusal = (find(DEFAULT).unwrap().constructor)(&params, Options::default())
-        .list(&lattice(), Test::Exact, &mut pairs)
-        .unwrap_err()
-        .to_string();
-    assert!([&format!("level={level}"), "portable"].iter().all(|it| refusal.contains(*it)));
-    assert!(pairs.is_empty());
 }
 
 #[test]
