@@ -62,8 +62,8 @@ fn batch<const D: usize>(
 ) -> Counts {
     let uniform = family == 0 && index % 2 == 1;
     let turn = if family == 0 { index as i64 / 2 % 4 } else { 0 };
-    // The largest scale is 2^970.
-    let exponent = draw.exponent(turn, 990).min(970);
+    // Scales reach from 2^-1010 to 2^970.
+    let exponent = draw.exponent(turn, 990) - if turn == 3 { 20 } else { 0 };
     // Around the origin, no bit of a radius is below one unit.
     let room = if offset == 0.0 { (1i64 << 53) as f64 } else { FAR as f64 / offset };
     let lengths = Lengths::new(sphere, room, !uniform, draw);
