@@ -31,36 +31,26 @@ impl Arithmetic {
     pub const SAFE: [Arithmetic; 4] =
         [Arithmetic::F32, Arithmetic::F64, Arithmetic::ExactOpen, Arithmetic::Exact];
 
-    /// Summary, storage and contact test.
-    const fn entry(self) -> (&'static str, Storage, Test) {
-        match self {
-            Arithmetic::F32 => {
-                let words = "scene stored in f32, contacts decided in f32";
-                (words, Storage::F32, Test::Rounded)
-            }
-            Arithmetic::Textbook => {
-                let words =
-                    "f64, with the book's filters as printed: may lose contacts to rounding";
-                (words, Storage::F64, Test::Textbook)
-            }
-            Arithmetic::F64 => {
-                let words = "scene stored and contacts decided in f64";
-                (words, Storage::F64, Test::Rounded)
-            }
-            Arithmetic::ExactOpen => {
-                let words = "like exact, but pairs at exactly the distance ri + rj do not touch";
-                (words, Storage::F64, Test::Open)
-            }
-            Arithmetic::Exact => {
-                let words = "scene stored in f64, contacts decided exactly (the default)";
-                (words, Storage::F64, Test::Exact)
-            }
-        }
-    }
+    /// Summary, storage and contact test of each, in the order of `ALL`.
+    const TABLE: [(&str, Storage, Test); 5] = [
+        ("scene stored in f32, contacts decided in f32", Storage::F32, Test::Rounded),
+        (
+            "f64, with the book's filters as printed: may lose contacts to rounding",
+            Storage::F64,
+            Test::Textbook,
+        ),
+        ("scene stored and contacts decided in f64", Storage::F64, Test::Rounded),
+        (
+            "like exact, but pairs at exactly the distance ri + rj do not touch",
+            Storage::F64,
+            Test::Open,
+        ),
+        ("scene stored in f64, contacts decided exactly (the default)", Storage::F64, Test::Exact),
+    ];
 
     /// Description in one phrase, for help and reports.
     pub fn summary(self) -> &'static str {
-        self.entry().0
+        Arithmetic::TABLE[self as usize].0
     }
 
     /// All names, separated by commas, for messages.
@@ -70,12 +60,12 @@ impl Arithmetic {
 
     /// How a scene stored for this arithmetic is tested for contacts.
     pub const fn test(self) -> Test {
-        self.entry().2
+        Arithmetic::TABLE[self as usize].2
     }
 
     /// The number format in which a scene is stored for this arithmetic.
     pub const fn storage(self) -> Storage {
-        self.entry().1
+        Arithmetic::TABLE[self as usize].1
     }
 
     /// The exact arithmetic with the same rule for pairs at exactly ri + rj: it states the truth.

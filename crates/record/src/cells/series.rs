@@ -150,10 +150,6 @@ pub fn ratio(a: &Seeds<'_>, b: &Seeds<'_>) -> Option<Interval> {
     ratio_of(a, |cell| &cell.times, b, |cell| &cell.times)
 }
 
-pub fn cold_ratio(a: &Seeds<'_>, b: &Seeds<'_>) -> Option<Interval> {
-    ratio_of(a, Cell::first_times, b, Cell::first_times)
-}
-
 pub fn ratio_of<'a>(
     a: &Seeds<'a>,
     of_a: fn(&Cell) -> &Blocks,

@@ -223,27 +223,18 @@ fn nest<'de, Common: Deserialize<'de>, Kind: Deserialize<'de>>(
     default: Option<&'static str>,
 ) -> Result<(), Problem> {
     let kinds = keys::fields::<Kind>();
-    let list = || kinds.join(", ");
-    let (place, kind) = match table.remove("kind") {
-        Some(value) => {
-            let place = value.span();
-            let found = value
-                .get_ref()
-                .as_str()
-                .and_then(|name| kinds.iter().copied().find(|kind| *kind == name));
-            let refused = || {
-                let name = value.get_ref().as_str().unwrap_or_default();
-                let hint = hint(name, kinds.iter().copied());
-                let words =
-                    format!("there is no such kind of {what}{hint}; the kinds are: {}", list());
-                Problem::new(place.clone(), words)
-            };
-            (place.clone(), found.ok_or_else(refused)?)
-        }
-        None => {
-            let words = || format!("the {what} has no kind; the kinds are: {}", list());
-            (at.clone(), default.ok_or_else(|| Problem::new(at, words()))?)
-        }
+    let list = kinds.join(", ");
+    let given = table.remove("kind");
+    let place = given.as_ref().map_or(at.clone(), Spanned::span);
+    let name = given.as_ref().map(|value| value.get_ref().as_str().unwrap_or_default());
+    let Some(name) = name.or(default) else {
+        let words = format!("the {what} has no kind; the kinds are: {list}");
+        return Err(Problem::new(at, words));
+    };
+    let Some(kind) = kinds.iter().copied().find(|kind| *kind == name) else {
+        let hint = hint(name, kinds.iter().copied());
+        let words = format!("there is no such kind of {what}{hint}; the kinds are: {list}");
+        return Err(Problem::new(place, words));
     };
     let (common, takes) = (keys::fields::<Common>(), keys::variant_fields::<Kind>(kind));
     let (mut own, mut inner) = (DeTable::new(), DeTable::new());

@@ -32,8 +32,7 @@ fn names(list: &str) -> Vec<&str> {
 fn value(found: &str) -> String {
     let bare = |text: &str| text.trim_matches('`').to_string();
     match found.split_once(' ') {
-        Some(("integer", value)) => bare(value),
-        Some(("boolean", value)) => bare(value),
+        Some(("integer" | "boolean", value)) => bare(value),
         Some(("floating", rest)) => bare(rest.trim_start_matches("point ")),
         Some(("string", text)) => format!("the text {text}"),
         _ if found == "map" => "a table".into(),
@@ -50,10 +49,9 @@ fn wanted(expected: &str) -> String {
         "a string" | "string or table" => "a text in quotes".into(),
         "a boolean" => "true or false".into(),
         "a sequence" => "a list in brackets, as in [1, 2],".into(),
-        "a map" => "a table, as in { key = 1 },".into(),
-        _ => match expected.strip_prefix("struct ") {
-            Some(_) => "a table, as in { key = 1 },".into(),
-            None => expected.to_string(),
-        },
+        _ if expected == "a map" || expected.starts_with("struct ") => {
+            "a table, as in { key = 1 },".into()
+        }
+        _ => expected.to_string(),
     }
 }

@@ -32,6 +32,7 @@ use anyhow::{anyhow, ensure};
 use build::Steps;
 
 use contactbench_io::Given;
+use contactbench_terms::nearest::hint;
 
 /// The name of a case, and the function that makes its steps in 2 or 3 dimensions.
 type Maker = (&'static str, fn(u32) -> Steps);
@@ -149,19 +150,11 @@ impl Case {
     }
 }
 
-/// Returns the case; the error for an unknown name lists the nearest ones.
+/// Returns the case; the error for an unknown name has the nearest one.
 pub fn find(name: &str) -> anyhow::Result<&'static Case> {
     cases().find(|case| case.name == name).ok_or_else(|| {
-        let far = |case: &str| (!case.contains(name), strsim::levenshtein(case, name));
-        let mut near: Vec<&str> = cases().map(|case| case.name).collect();
-        near.sort_unstable();
-        near.sort_by_key(|case| far(case));
-        near.truncate(3);
-        anyhow!(
-            "there is no hard case '{name}'; the nearest names are {} (contactbench list \
-             hard-cases)",
-            near.join(", ")
-        )
+        let hint = hint(name, cases().map(|case| case.name));
+        anyhow!("there is no hard case '{name}'{hint}; contactbench list hard-cases has all names")
     })
 }
 

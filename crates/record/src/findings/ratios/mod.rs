@@ -121,7 +121,8 @@ fn library(
     let ratio = |line: &Line| series::ratio(group.at(line, n)?, group.at(own, n)?);
     let (first, _) = *libraries.first()?;
     let to_first = ratio(first)?;
-    let cold = series::cold_ratio(group.at(first, n)?, group.at(own, n)?);
+    let cold = Cell::first_times;
+    let cold = series::ratio_of(group.at(first, n)?, cold, group.at(own, n)?, cold);
     let behind = to_first.median < 1.0 && noise.decides(&to_first, n);
     let open = libraries.iter().filter(|it| !noise.slower(ratio(it.0).as_ref(), n));
     let open = open.filter(|_| !behind).map(|it| label(it.0)).collect();

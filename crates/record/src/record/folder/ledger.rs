@@ -90,12 +90,8 @@ impl Ledger {
 
     fn add(&mut self, entry: Entry) {
         match entry {
-            Entry::Process(process) => {
-                self.processes.insert(process.id.clone(), process);
-            }
-            Entry::Span(span) => {
-                self.spans.insert(span.id.clone(), span);
-            }
+            Entry::Process(it) => _ = self.processes.insert(it.id.clone(), it),
+            Entry::Span(it) => _ = self.spans.insert(it.id.clone(), it),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The machines of a record: which descriptions mean the same machine, their names, and the
 //! provenance of a merged record.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -87,20 +88,11 @@ impl Labels {
                 json!({"machines": machines.collect::<serde_json::Map<_, _>>()})
             }
         };
-        let of = |name: &str| {
-            let values = parts.iter().filter_map(|part| {
-                Some(part.provenance.as_ref()?.get(name)?.as_str()?.to_string())
-            });
-            let mut values: Vec<String> = values.collect();
-            values.sort();
-            values.dedup();
-            values
-        };
         for name in ["revision", "profile", "contactbench", "rustc"] {
-            match &of(name)[..] {
-                [] => {}
-                [one] => all[name] = json!(one),
-                several => all[name] = json!(several.join(", ")),
+            let value = |part: &Part| Some(part.provenance.as_ref()?.get(name)?.as_str()?.into());
+            let values: BTreeSet<String> = parts.iter().filter_map(value).collect();
+            if !values.is_empty() {
+                all[name] = json!(Vec::from_iter(values).join(", "));
             }
         }
         let copies = parts.iter().flat_map(|part| &part.experiments);
