@@ -1,14 +1,14 @@
-use std::io::IsTerminal;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::{Context, ensure};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::output::Output;
+use crate::cli::shared::progress::Line;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::values;
 use contactbench_ground::contact::Arithmetic;
@@ -68,9 +68,9 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         time,
         program,
     };
-    let mut note = note();
-    let race = race::run(&question, &mut note)?;
-    note("");
+    let line = Line::new();
+    let race = race::run(&question, &mut |text| line.show(text))?;
+    drop(line);
     let verdict = Verdict::new(&race);
     let mut out = Output::new(options.json);
     out.values(json!({ "seconds": seconds, "memory_limit": memory_limit }));
@@ -83,7 +83,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let said = verdict.as_ref().map_or(none, |verdict| words::sentence(verdict, &race, n));
     for (k, line) in said.lines().enumerate() {
         let text = if k == 0 { format!("use {line}") } else { format!("  {}", line.trim_start()) };
-        out.line("", text, Value::Null);
+        out.text(text);
     }
     out.print()?;
     Ok(code(&race, verdict.as_ref()))
@@ -129,17 +129,6 @@ fn program() -> anyhow::Result<Vec<String>> {
     let program = std::env::current_exe();
     let program = program.context("cannot find this program to start it as runner")?;
     Ok(vec![program.display().to_string()])
-}
-
-/// Returns a function that shows progress on a terminal.
-fn note() -> impl FnMut(&str) {
-    let terminal = std::io::stderr().is_terminal();
-    move |text| {
-        #[expect(clippy::print_stderr, reason = "a line of progress that is overwritten")]
-        if terminal {
-            eprint!("\r\x1b[K{text}");
-        }
-    }
 }
 
 /// Returns the scenes that a hard case runs before its own; empty for any other scene.

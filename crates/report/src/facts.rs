@@ -177,14 +177,6 @@ impl<'a> Chapter<'a> {
         self.answer.clone().unwrap_or_else(|| sections::winners::sentence(&self.winners))
     }
 
-    pub fn brief(&self) -> Option<Text> {
-        let fastest = self.asks_fastest && !self.winners.contests.is_empty();
-        match self.verdicts.iter().any(|verdict| !verdict.answers.is_empty()) {
-            false if fastest => Some(sections::winners::brief(&self.winners)),
-            _ => sections::answer::brief(&self.verdicts),
-        }
-    }
-
     pub fn fastest(&self, cold: bool) -> Vec<Block> {
         let mut blocks = match self.asks_fastest {
             true => sections::winners::blocks(&self.winners, cold),

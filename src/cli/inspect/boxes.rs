@@ -5,7 +5,7 @@ use serde_json::json;
 use crate::cli::shared::input::Input;
 use crate::cli::shared::output::Output;
 use contactbench_ground::periodic::Periodic;
-use contactbench_ground::scene::Real;
+use contactbench_ground::scene::{Lattice, Real};
 use contactbench_ground::with_scene;
 use contactbench_io::boxes::{along, outside};
 use contactbench_io::{About, Particles};
@@ -44,6 +44,11 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &
     };
     let text = format!("the box repeats along {}{source}", along(axes));
     out.line("boundaries", text, json!({ "periodic": axes[..dim] }));
+    lattice_of(particles, lattice, input, out);
+}
+
+fn lattice_of(particles: &Particles, lattice: &Lattice, input: &Input, out: &mut Output) {
+    let dim = particles.dim();
     let vectors: Vec<&[f64]> = lattice.vectors()[..dim].iter().map(|v| &v[..]).collect();
     let length = |v: &&[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let lengths: Vec<f64> = vectors.iter().map(length).collect();

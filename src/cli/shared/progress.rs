@@ -1,33 +1,61 @@
-//! Progress of a run or of a pass over frames: a bar on a terminal, plain lines elsewhere.
+//! Progress of a run or of a pass over frames: a line on a terminal, plain lines elsewhere.
 
-use std::io::IsTerminal;
+use std::cell::Cell;
+use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
-
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::shared::terminal::say;
 use contactbench_run::run::stage::{Found, Progress};
 use contactbench_terms::number::number;
 use contactbench_terms::text::line;
 
-const TICK: Duration = Duration::from_millis(500);
+/// Least time between two numbers of frames.
+const TICK: Duration = Duration::from_millis(200);
+/// Maximum number of letters of a line, so that a terminal does not wrap it.
+const LONGEST: usize = 79;
 
-/// A progress bar on a terminal, removed when dropped; elsewhere nothing.
-struct Bar(Option<ProgressBar>);
+/// A line on a terminal, replaced by the next and removed when dropped; elsewhere nothing.
+pub struct Line(bool);
 
-impl Bar {
-    fn new(length: Option<u64>, template: &str) -> Bar {
-        Bar(std::io::stderr().is_terminal().then(|| {
-            let style = ProgressStyle::with_template(template);
-            let bar = length.map_or_else(ProgressBar::no_length, ProgressBar::new);
-            bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        }))
+impl Line {
+    pub fn new() -> Line {
+        Line(std::io::stderr().is_terminal())
+    }
+
+    pub fn show(&self, text: &str) {
+        if self.0 {
+            let text: String = line(text).chars().take(LONGEST).collect();
+            let _ = write!(std::io::stderr(), "\r\x1b[K{text}");
+        }
     }
 }
 
-impl Drop for Bar {
+impl Drop for Line {
     fn drop(&mut self) {
-        self.0.iter().for_each(ProgressBar::finish_and_clear);
+        self.show("");
+    }
+}
+
+/// Counts frames on a terminal; elsewhere prints nothing.
+pub struct Counted {
+    line: Line,
+    /// Text after the number of a frame.
+    of: String,
+    last: Cell<Instant>,
+}
+
+impl Counted {
+    /// Starts counting; `frames` is the total, if known.
+    pub fn new(frames: Option<u64>) -> Counted {
+        let of = frames.map_or(String::new(), |all| format!(" of {all}"));
+        Counted { line: Line::new(), of, last: Cell::new(Instant::now()) }
+    }
+
+    pub fn frame(&self, k: u64) {
+        if self.last.get().elapsed() > TICK {
+            self.last.set(Instant::now());
+            self.line.show(&format!("frame {k}{}", self.of));
+        }
     }
 }
 
@@ -38,7 +66,7 @@ fn first() -> Duration {
 }
 
 pub struct Terminal<'a> {
-    bar: Bar,
+    line: Line,
     started: Instant,
     /// Whether the table of scenes has its heads.
     headed: bool,
@@ -50,9 +78,8 @@ pub struct Terminal<'a> {
 
 impl<'a> Terminal<'a> {
     pub fn new(report: &'a mut dyn FnMut() -> String) -> Terminal<'a> {
-        let template = "{bar:10} {pos}/{len} scenes, {elapsed} done, about {eta} left  {wide_msg}";
-        let bar = Bar::new(None, template);
-        Terminal { bar, started: Instant::now(), headed: false, reported: false, report }
+        let (line, started) = (Line::new(), Instant::now());
+        Terminal { line, started, headed: false, reported: false, report }
     }
 }
 
@@ -61,36 +88,15 @@ fn columns([scene, first, time, second, ratio, contacts, right]: [&str; 7]) -> S
     format!("{scene:<27} {first:<12} {time:>5} {second:<12} {ratio:>5} {contacts:>8} {right:>5}")
 }
 
-/// Counts frames on a terminal; elsewhere prints nothing.
-pub struct Counted(Bar);
-
-impl Counted {
-    /// Starts counting; `frames` is the total, if known.
-    pub fn new(frames: Option<u64>) -> Counted {
-        let of = if frames.is_some() { " of {len}" } else { "" };
-        let bar = Bar::new(frames, &format!("frame {{pos}}{of}, {{elapsed}}"));
-        bar.0.iter().for_each(|bar| bar.enable_steady_tick(TICK));
-        Counted(bar)
-    }
-
-    pub fn frame(&self, k: u64) {
-        self.0.0.iter().for_each(|bar| bar.set_position(k));
-    }
-}
-
 impl Progress for Terminal<'_> {
     fn scene(&mut self, done: usize, total: usize, next: &str) {
-        match &self.bar.0 {
-            Some(bar) if done == total => bar.finish_and_clear(),
-            Some(bar) => {
-                bar.enable_steady_tick(TICK);
-                bar.set_length(total as u64);
-                bar.set_position(done as u64);
-                bar.set_message(line(next).into_owned());
-            }
-            None => {
-                say!("[{:6.1} s] {done}/{total} {next}", self.started.elapsed().as_secs_f64())
-            }
+        let time = self.started.elapsed().as_secs_f64();
+        if self.line.0 {
+            let left = time / done.max(1) as f64 * (total - done) as f64;
+            let left = if done > 0 { format!(", about {left:.0} s left") } else { String::new() };
+            self.line.show(&format!("{done}/{total} scenes, {time:.0} s{left}: {next}"));
+        } else {
+            say!("[{time:6.1} s] {done}/{total} {next}");
         }
     }
 
@@ -116,9 +122,7 @@ impl Progress for Terminal<'_> {
     }
 
     fn note(&mut self, text: &str) {
-        match &self.bar.0 {
-            Some(bar) => bar.println(line(text)),
-            None => say(text),
-        }
+        self.line.show("");
+        say(text);
     }
 }

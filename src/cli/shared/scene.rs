@@ -6,8 +6,17 @@ use anyhow::{bail, ensure};
 
 use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::values;
+use contactbench_ground::scene::AnyScene;
 use contactbench_io as io;
 use contactbench_io::Given;
+use contactbench_scenes::touching::particle;
+
+/// Formats a particle as `7: 1.0 2.0 r 0.5`.
+pub fn particle_line(scene: &AnyScene<'_>, k: u32) -> String {
+    let (centre, radius) = particle(scene, k);
+    let centre: Vec<String> = centre[..scene.dim()].iter().map(|x| format!("{x:?}")).collect();
+    format!("{k}: {} r {radius:?}", centre.join(" "))
+}
 
 pub type WithIds = (Given, Option<Vec<i64>>);
 

@@ -5,7 +5,6 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use contactbench_detectors::spec::DetectorSpec;
-use contactbench_detectors::tracker::TrackerSpec;
 use contactbench_report::document::Block;
 use contactbench_report::table::{Cell, Table};
 use contactbench_run::moving::{Check, Followed, Moved, SEED, Tracked};
@@ -79,11 +78,6 @@ fn common(followed: &Followed) -> Option<&DetectorSpec> {
     all.all(|other| other == first).then_some(first)
 }
 
-/// Returns the name of a tracker in a table, without its detector if `common`.
-fn label(spec: &TrackerSpec, common: bool) -> String {
-    if common { spec.setting() } else { spec.to_string() }
-}
-
 pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     let moved = &followed.moved;
     let frames = plural(moved.frames as usize, "frame");
@@ -110,7 +104,8 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
              the list was built. listed: pairs in the list for each contact. missed: contacts\
              {sampled} not reported, summed over the frames; since: first such frame; late: most \
              frames until such a contact was reported; depth: its overlap then, in mean radii (r); \
-             never: contacts never reported; dangerous: builds whose rule was broken before. Each tracker ran once, so the times are rough.",
+             never: contacts never reported; dangerous: builds whose rule was broken before. Each \
+             tracker ran once, so the times are rough.",
         )),
     ]);
     for it in followed.trackers.iter().filter(|it| it.is_wrong()) {
@@ -137,7 +132,7 @@ pub fn table(followed: &Followed) -> Table {
     let late = |it: &Tracked| it.late.latest > 0;
     let any = |such: &dyn Fn(&Tracked) -> bool| followed.trackers.iter().any(such);
     Table::of("", &followed.trackers)
-        .left("tracker", |it| label(&it.spec, common))
+        .left("tracker", |it| if common { it.spec.setting() } else { it.spec.to_string() })
         .right("ns", |it| mean(it, particles))
         .right("worst", |it| times(it, particles).map(|[_, worst]| worst))
         .right("built", |it| it.builds.built)

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::cli::shared::output::Output;
+use crate::cli::shared::scene::particle_line;
 use crate::cli::verify::Verify;
 use contactbench_ground::periodic::ImagePair;
 use contactbench_io::boxes::along;
@@ -255,9 +256,7 @@ fn worst(
         };
         out.text(format!("  {i},{j}{across}  {measure} {}", number(depth.abs())));
         for k in [*i, *j] {
-            let (centre, radius) = particle(one.scene(), k);
-            let centre: Vec<String> = centre[..dim].iter().map(|x| format!("{x:?}")).collect();
-            out.text(format!("    {k}: {} r {radius:?}", centre.join(" ")));
+            out.text(format!("    {}", particle_line(one.scene(), k)));
         }
     }
     if let Some(more @ 1..) = count.checked_sub(PAIRS as u64) {

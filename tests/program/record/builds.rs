@@ -42,7 +42,7 @@ fn builds_take_turns_in_one_record() {
     }
     assert!(named("nothing").is_empty(), "controls have nothing to say of builds");
     at.ends(0, "compare same --all", &["A: ", "B: ", "(4 cells compared, 0 in one"]);
-    at.ends(2, "compare same --against nbs", &["missing: B"]);
+    at.ends(2, "compare same --against nbs", &["<B>"]);
     let slow = format!("#!/bin/sh\nshift 3\nexec {PROGRAM} runner --detector direct \"$@\"\n");
     let other = at.file("other.sh", slow);
     std::fs::set_permissions(&other, std::fs::Permissions::from_mode(0o755)).unwrap();

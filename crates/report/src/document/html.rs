@@ -29,7 +29,7 @@ fn block_text(block: &Block) -> String {
     }
 }
 
-pub fn words(text: &Text) -> String {
+fn words(text: &Text) -> String {
     let around = [["<strong>", "</strong>"], ["<em>", "</em>"], ["<code>", "</code>"]];
     text.written(around, |_, text| escape(text))
 }

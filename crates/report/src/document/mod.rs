@@ -7,9 +7,9 @@ mod plain;
 
 use std::path::PathBuf;
 
-pub use html::{html, words as inline_html};
+pub use html::html;
 pub use markdown::{escaped, markdown};
-pub use plain::{indented, plain, words};
+pub use plain::{indented, plain};
 
 use crate::table::Table;
 

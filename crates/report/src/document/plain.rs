@@ -34,6 +34,6 @@ pub fn indented(head: &str, text: &str, width: usize) -> String {
 }
 
 /// Returns the words without their style.
-pub fn words(text: &Text) -> String {
+fn words(text: &Text) -> String {
     text.written([[""; 2]; 3], |_, text| text.into())
 }

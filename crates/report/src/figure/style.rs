@@ -38,26 +38,18 @@ pub fn ink_on(ground: Colour) -> Colour {
     if 299 * r + 587 * g + 114 * b > 140_000 { INK } else { WHITE }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Marker {
-    Circle,
-    Square,
-    Up,
-    Down,
-    Diamond,
-    Cross,
-    Plus,
+contactbench_terms::named! {
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Marker {
+        Circle = "circle",
+        Square = "square",
+        Up = "up",
+        Down = "down",
+        Diamond = "diamond",
+        Cross = "cross",
+        Plus = "plus",
+    }
 }
-
-const MARKERS: [Marker; 7] = [
-    Marker::Circle,
-    Marker::Square,
-    Marker::Up,
-    Marker::Down,
-    Marker::Diamond,
-    Marker::Cross,
-    Marker::Plus,
-];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
@@ -140,8 +132,8 @@ impl Styles {
 /// Returns the style at a palette index; past the end, colours repeat with other markers.
 fn of_place(place: usize) -> Style {
     let (round, (colour, own)) = (place / PALETTE.len(), PALETTE[place % PALETTE.len()]);
-    let first = MARKERS.iter().position(|marker| *marker == own).unwrap_or(0);
-    Style { colour, marker: MARKERS[(first + round) % MARKERS.len()], control: false }
+    let first = Marker::ALL.iter().position(|marker| *marker == own).unwrap_or(0);
+    Style { colour, marker: Marker::ALL[(first + round) % Marker::ALL.len()], control: false }
 }
 
 /// Returns the palette index that a name prefers, from its FNV-1a hash.

@@ -119,7 +119,7 @@ fn program(fields: &Value) -> String {
 }
 
 impl Chapter<'_> {
-    fn answers(&self, with_evidence: bool) -> Vec<Block> {
+    pub(crate) fn answers(&self, with_evidence: bool) -> Vec<Block> {
         let mut out = sections::answer::blocks(&self.verdicts, with_evidence);
         out.extend(self.fastest(with_evidence));
         if self.experiment.question.contains("threads") {

@@ -59,14 +59,3 @@ fn word(verdict: &Verdict) -> String {
     let mut letters = word.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
-
-pub fn brief(verdicts: &[Verdict]) -> Option<Text> {
-    let listed: Vec<String> = listed(verdicts).iter().map(|it| word(it).to_lowercase()).collect();
-    let answered = verdicts.iter().any(|verdict| !verdict.answers.is_empty());
-    let held = verdicts.iter().filter(|verdict| verdict.status == Status::Holds).count();
-    match verdicts.len() {
-        0 => None,
-        _ if answered => Some(Text::new().strong(listed.join(", "))),
-        all => Some(Text::from(format!("{held} of {all} claims hold"))),
-    }
-}

@@ -100,15 +100,6 @@ fn undecided_all(contests: &[Contest]) -> String {
     }
 }
 
-/// Returns the detector that is the fastest in most scenes, and the number of these scenes. Scenes
-/// are not summed over experiments, which have different numbers of sizes.
-pub fn brief(winners: &Winners) -> Text {
-    let tally = Tally::new(winners);
-    let Some(first) = tally.wins.first() else { return "undecided".into() };
-    let wins = format!(" in {} of {}", first.margins.len(), plural(tally.scenes, "scene"));
-    Text::new().strong(first.detector.as_str()).plain(wins)
-}
-
 /// Returns the table of these scenes, with ratios of first detections if `cold` and if there are any.
 pub fn table(contests: &[&Contest], cold: bool, time: fn(f64) -> String) -> Table {
     fn next(contest: &Contest) -> Option<&RankedSubject> {

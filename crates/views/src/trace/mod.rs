@@ -31,9 +31,10 @@ use contactbench_detectors::book::binary_tree::BinaryTree;
 use contactbench_detectors::book::nbs::Nbs;
 use contactbench_detectors::book::screening::Screening;
 use contactbench_detectors::book::sorting::Sorting;
-use contactbench_ground::contact::{Arithmetic, any_bodies};
+use contactbench_ground::contact::{Arithmetic, Bodies, any_bodies};
 use contactbench_ground::detect::{Declare, Detector, Options};
 use contactbench_ground::filter::Cells;
+use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::probe::{Op, Silent, Tally};
 use contactbench_ground::scene::{AnyScene, Stored, array};
 
@@ -128,19 +129,8 @@ pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Resu
         .collect();
     let mut recorder = Recorder::new(algorithm, names, cells.count, &discs);
     let mut contacts: Vec<[u32; 2]> = Vec::new();
-    let (probe, sink) = (&mut recorder, &mut contacts);
-    let options = Options::default();
-    match algorithm {
-        Algorithm::Nbs => Nbs::<2>::with(options).detect(bodies, probe, sink),
-        Algorithm::Sorting => Sorting::<2>::with(options).detect(bodies, probe, sink),
-        Algorithm::Screening => {
-            Detector::<f64, 2>::detect(&mut Screening::with(options), bodies, probe, sink)
-        }
-        Algorithm::BinaryTree => {
-            Detector::<f64, 2>::detect(&mut BinaryTree::with(options), bodies, probe, sink)
-        }
-    }
-    .with_context(|| format!("{} refuses the scene", algorithm.name()))?;
+    detect(algorithm, bodies, &mut recorder, &mut contacts)
+        .with_context(|| format!("{} refuses the scene", algorithm.name()))?;
     recorder.end();
     let Recorder { steps, parts, tally, all, .. } = recorder;
     ensure!(
@@ -150,4 +140,21 @@ pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Resu
         algorithm.name()
     );
     Ok(Trace { algorithm, discs, cells, names, steps, parts, contacts, tally })
+}
+
+fn detect<B: Bodies<f64, 2>>(
+    algorithm: Algorithm,
+    bodies: B,
+    probe: &mut Recorder,
+    sink: &mut Vec<[u32; 2]>,
+) -> Result<(), Refusal> {
+    fn with<D: Declare>() -> D {
+        D::with(Options::default())
+    }
+    match algorithm {
+        Algorithm::Nbs => with::<Nbs<2>>().detect(bodies, probe, sink),
+        Algorithm::Sorting => with::<Sorting<2>>().detect(bodies, probe, sink),
+        Algorithm::Screening => with::<Screening>().detect(bodies, probe, sink),
+        Algorithm::BinaryTree => with::<BinaryTree>().detect(bodies, probe, sink),
+    }
 }

@@ -65,6 +65,13 @@ fn head(recorder: &Recorder, heads: char, list: usize) -> (String, String) {
     }
 }
 
+/// Formats the first particle of a list, and the list.
+fn chain(recorder: &Recorder, heads: char, first: Option<u32>) -> String {
+    let Some(k) = first else { return "-1: it is empty".into() };
+    let (k, list) = (recorder.names.particle(k), recorder.chain(links(heads), first));
+    format!("{k}, with the list {list}")
+}
+
 /// Describes an event of a list, and marks its head.
 fn of_list(
     recorder: &Recorder,
@@ -85,12 +92,7 @@ fn of_list(
         _ => return None,
     };
     let ((head, place), at) = (head(recorder, heads, list), vec![(heads, list)]);
-    let chain = |first: Option<u32>| match first {
-        None => "-1: it is empty".into(),
-        _ => {
-            format!("{}, with the list {}", names.maybe(first), recorder.chain(links(heads), first))
-        }
-    };
+    let chain = |first| chain(recorder, heads, first);
     marks.cell = recorder.cell_of(heads, list);
     Some(match *event {
         Event::Push { particle, next, .. } => {
@@ -108,15 +110,12 @@ fn of_list(
             marks.row = (heads == 'B').then_some(list as u32);
             let new = first.is_some() && !old;
             if new { &mut marks.written } else { &mut marks.read }.extend(at);
-            let visitor = match recorder.visiting {
-                Some(k) => format!("Particle {}, {place}: ", names.particle(k)),
-                None => format!("{place}: "),
+            let visitor = recorder.visiting.map(|k| format!("Particle {}, ", names.particle(k)));
+            let holds = match old {
+                true => "is marked old: it has been dealt with".into(),
+                false => format!("= {}{}", chain(first), if new { ". Mark it old" } else { "" }),
             };
-            match old {
-                true => format!("{visitor}{head} is marked old: it has been dealt with."),
-                false if new => format!("{visitor}{head} = {}. Mark it old.", chain(first)),
-                false => format!("{visitor}{head} = {}.", chain(first)),
-            }
+            format!("{}{place}: {head} {holds}.", visitor.unwrap_or_default())
         }
         Event::Look { first, .. } => {
             marks.read = at;

@@ -1,22 +1,23 @@
 //! Reports of wrong detectors and of refusals.
 
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
 use super::Check;
+use crate::cli::shared::scene::particle_line;
 use contactbench_detectors::oracle::boxes;
 use contactbench_detectors::spec;
 use contactbench_ground::limits::memory::default_limit;
 use contactbench_ground::periodic::{ImagePair, depth};
 use contactbench_run::check::{Differences, Failure, Report, Wrong, regression};
-use contactbench_scenes::touching::{in_any_box, particle};
+use contactbench_scenes::touching::in_any_box;
 use contactbench_terms::number::{mean_radii, plural};
 use contactbench_views::draw::{self, Look, Pairs};
 
-const KINDS: usize = 6;
+/// Maximum number of refusals that are printed.
+const KINDS: usize = 12;
 
 /// Maximum number of lines printed of a failing scene.
 const LINES: usize = 12;
@@ -80,24 +81,15 @@ pub(super) fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// Prints refusals by kind. Reasons that differ only in numbers are of one kind.
+/// Prints the most frequent refusals.
 pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<()> {
-    let mut kinds: BTreeMap<String, (&str, u64)> = BTreeMap::new();
-    for (reason, times) in &report.refused {
-        let kind = reason
-            .chars()
-            .map(|c| if c.is_ascii_digit() { '0' } else { c })
-            .filter(|c| !"0.-+e".contains(*c))
-            .collect();
-        kinds.entry(kind).or_insert((reason, 0)).1 += times;
-    }
-    let mut kinds: Vec<(&str, u64)> = kinds.into_values().collect();
-    kinds.sort_by_key(|&(_, times)| std::cmp::Reverse(times));
+    let mut kinds: Vec<(&String, &u64)> = report.refused.iter().collect();
+    kinds.sort_by_key(|(_, times)| std::cmp::Reverse(**times));
     for (reason, times) in kinds.iter().take(KINDS) {
-        writeln!(out, "refused {}: {reason}", plural(*times as usize, "time"))?;
+        writeln!(out, "refused {}: {reason}", plural(**times as usize, "time"))?;
     }
     if kinds.len() > KINDS {
-        let rest: u64 = kinds[KINDS..].iter().map(|(_, times)| times).sum();
+        let rest: u64 = kinds[KINDS..].iter().map(|(_, times)| **times).sum();
         let (rest, others) = (plural(rest as usize, "time"), kinds.len() - KINDS);
         writeln!(out, "refused {rest} for {}", plural(others, "other reason"))?;
     }
@@ -182,10 +174,7 @@ fn worst_pair(failure: &Failure, out: &mut dyn Write) -> anyhow::Result<()> {
         writeln!(out, "  the worst there, of {} particles:", given.scene.len())?;
         writeln!(out, "    {pair}: {what} {size}")?;
         for k in [pair.i, pair.j] {
-            let (centre, radius) = particle(&given.scene, k);
-            let centre = &centre[..given.scene.dim()];
-            let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();
-            writeln!(out, "    {k}: {} r {radius:?}", centre.join(" "))?;
+            writeln!(out, "    {}", particle_line(&given.scene, k))?;
         }
     }
     Ok(())

@@ -26,22 +26,18 @@ impl Group {
 }
 
 pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
-    let chosen = detectors::expand(&options.detector, false)
-        .map_err(anyhow::Error::msg)?
-        .iter()
-        .map(|name| Ok(CheckedSubject::from(table::parse(name)?)))
-        .collect::<anyhow::Result<Vec<_>>>()?;
-    let chosen = if chosen.is_empty() {
-        TABLE.iter().filter(|entry| entry.must_be_right()).map(CheckedSubject::from).collect()
-    } else {
-        chosen
+    let names = detectors::expand(&options.detector, false).map_err(anyhow::Error::msg)?;
+    let parse = |name: &String| Ok(CheckedSubject::from(table::parse(name)?));
+    let mut subjects = names.iter().map(parse).collect::<anyhow::Result<Vec<_>>>()?;
+    if subjects.is_empty() {
+        let right = TABLE.iter().filter(|entry| entry.must_be_right());
+        subjects.extend(right.map(CheckedSubject::from));
+    }
+    let arithmetics = match &*options.arithmetic {
+        [] => vec![Arithmetic::Exact],
+        all => all.to_vec(),
     };
-    let arithmetics = if options.arithmetic.is_empty() {
-        vec![Arithmetic::Exact]
-    } else {
-        options.arithmetic.clone()
-    };
-    Ok(Group { subjects: chosen, arithmetics })
+    Ok(Group { subjects, arithmetics })
 }
 
 /// The word in a runner's command that is replaced by the arithmetic.

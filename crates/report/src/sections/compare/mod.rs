@@ -5,7 +5,6 @@ use contactbench_record::findings::compare::{
     Against, Change, Compared, Judgement, Note, Options, PLACEMENT, Summary, Timing,
 };
 use contactbench_record::findings::trust::noise::{Noise, Twin};
-use contactbench_record::record::origin::hardware::size_of;
 use contactbench_record::record::origin::machines::Machine;
 use contactbench_record::stats::interval::{COVERAGE, Interval};
 use contactbench_terms::number::{number, percent, plural, with_ends};
@@ -39,26 +38,13 @@ pub fn moved(name: &str, factor: f64) -> String {
 /// Describes a machine by name and processor, since virtual machines may share a name.
 pub fn machine(Machine { name, hardware }: &Machine) -> String {
     let name = if name.is_empty() { "an unnamed machine" } else { name };
-    let cores = hardware.cores.map(|cores| plural(cores as usize, "core"));
-    let caches = hardware.caches.iter().filter(|(level, _)| level.as_str() > "L1z");
-    let caches = caches.map(|(level, size)| format!("{level} {}", cache(size)));
-    let known: Vec<String> = hardware.cpu.clone().into_iter().chain(cores).chain(caches).collect();
-    if known.is_empty() { name.into() } else { format!("{name} ({})", known.join(", ")) }
+    hardware.cpu.as_ref().map_or(name.into(), |cpu| format!("{name} ({cpu})"))
 }
 
 pub fn machines(machines: &[Machine; 2]) -> String {
     let [a, b] = machines.each_ref().map(machine);
-    let same = if a == b { ", which differ in family, stepping, features or memory" } else { "" };
+    let same = if a == b { ", which differ in cores, caches, features or memory" } else { "" };
     format!("two machines: {a} and {b}{same}")
-}
-
-/// Formats a cache size as `480 MiB`; other text stays as it is.
-fn cache(size: &str) -> String {
-    match size_of(size) {
-        Some(bytes) if bytes >= 1 << 20 => format!("{} MiB", number(bytes as f64 / 1048576.0)),
-        Some(bytes) => format!("{} KiB", bytes >> 10),
-        None => size.into(),
-    }
 }
 
 fn builds([a, b]: &[String; 2]) -> String {
