@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use crate::run::judge::{Nothing, Unjudged, kept};
+use crate::run::judge::{Nothing, kept, nothing};
 use crate::truth::depth;
 use contactbench_detectors::oracle;
 use contactbench_detectors::oracle::boxes;
@@ -86,14 +86,16 @@ impl<'a> Frame<'a> {
         &mut self,
         arithmetic: Arithmetic,
         contacts: Option<&ContactList>,
-    ) -> Result<Differs, Unjudged> {
+    ) -> anyhow::Result<Differs> {
         let truths = self.known(arithmetic)?;
         let contacts = contacts.unwrap_or(&truths.own.contacts);
         let own = compare(contacts, &truths.own, &truths.stored);
         let given = match self.known(arithmetic.exact()) {
             Ok(given) => given,
-            Err(Unjudged::Nothing(_)) => return Ok(Differs { own, ..Differs::default() }),
-            Err(defect) => return Err(defect),
+            Err(error) => {
+                nothing(error)?;
+                return Ok(Differs { own, ..Differs::default() });
+            }
         };
         let causes = truths.exact.map(|exact| Causes {
             representation: compare(&exact.contacts, &given.own, &given.stored),
@@ -104,15 +106,15 @@ impl<'a> Frame<'a> {
         Ok(Differs { own, errors: Some(compare(contacts, &given.own, &given.stored)), causes })
     }
 
-    pub fn known(&mut self, arithmetic: Arithmetic) -> Result<Truths, Unjudged> {
+    pub fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Truths> {
         if let Some(known) = self.known.get(&arithmetic) {
-            return known.clone().map_err(Unjudged::Nothing);
+            return Ok(known.clone()?);
         }
         let found = self.find(arithmetic);
         kept(&mut self.known, arithmetic, found)
     }
 
-    fn find(&mut self, arithmetic: Arithmetic) -> Result<Truths, Unjudged> {
+    fn find(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Truths> {
         let stored = match (&self.boxed, arithmetic) {
             (Some(boxed), _) => boxed.clone(),
             (None, Arithmetic::Textbook) => return self.known(Arithmetic::F64),
@@ -147,10 +149,10 @@ impl<'a> Frame<'a> {
                     _ if arithmetic.is_exact() => Some(own.clone()),
                     _ => match boxes::truth_as_stored(periodic, arithmetic, limit) {
                         Ok(exact) => Some(self.share(exact.into())),
-                        Err(reason) => match Unjudged::from(reason) {
-                            Unjudged::Nothing(_) => None,
-                            defect => return Err(defect),
-                        },
+                        Err(reason) => {
+                            nothing(reason.into())?;
+                            None
+                        }
                     },
                 };
                 (own, exact)

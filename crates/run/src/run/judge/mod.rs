@@ -37,18 +37,18 @@ pub struct Judge<'a> {
 
 type Known<T> = HashMap<Arithmetic, Result<T, Nothing>>;
 
+/// Stores a result, unless it is a defect of this program or a file that cannot be read.
 fn kept<T: Clone>(
     known: &mut Known<T>,
     arithmetic: Arithmetic,
-    found: Result<T, Unjudged>,
-) -> Result<T, Unjudged> {
-    let kept = match &found {
-        Ok(found) => Ok(found.clone()),
-        Err(Unjudged::Nothing(nothing)) => Err(nothing.clone()),
-        Err(Unjudged::Defect(_)) => return found,
+    found: anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let found = match found {
+        Ok(found) => Ok(found),
+        Err(error) => Err(nothing(error)?),
     };
-    known.insert(arithmetic, kept);
-    found
+    known.insert(arithmetic, found.clone());
+    Ok(found?)
 }
 
 #[derive(Clone)]
@@ -58,43 +58,26 @@ struct Right {
 }
 
 /// Why the truth of a scene is unknown in an arithmetic.
-#[derive(Clone)]
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{reason}")]
 pub struct Nothing {
     pub reason: String,
     /// Whether no detector can answer either: there are too many contacts, or the box is invalid.
     pub hopeless: bool,
 }
 
-enum Unjudged {
-    Nothing(Nothing),
-    /// A defect of this program, or a file that cannot be read.
-    Defect(anyhow::Error),
-}
-
-impl From<NoTruth> for Unjudged {
-    fn from(reason: NoTruth) -> Unjudged {
-        let hopeless = match &reason {
-            NoTruth::Refused(refusal) => refusal.is_of_scene(),
-            NoTruth::Stored(_) | NoTruth::TooLarge { .. } => false,
-            _ => return Unjudged::Defect(reason.into()),
-        };
-        Unjudged::Nothing(Nothing { reason: reason.to_string(), hopeless })
-    }
-}
-
-impl From<anyhow::Error> for Unjudged {
-    fn from(error: anyhow::Error) -> Unjudged {
-        Unjudged::Defect(error)
-    }
-}
-
-impl Unjudged {
-    fn nothing(self) -> anyhow::Result<Nothing> {
-        match self {
-            Unjudged::Nothing(nothing) => Ok(nothing),
-            Unjudged::Defect(error) => Err(error),
-        }
-    }
+/// Returns why the truth is unknown, or the error if it has another cause.
+fn nothing(error: anyhow::Error) -> anyhow::Result<Nothing> {
+    let reason = match error.downcast::<Nothing>() {
+        Ok(nothing) => return Ok(nothing),
+        Err(error) => error.downcast::<NoTruth>()?,
+    };
+    let hopeless = match &reason {
+        NoTruth::Refused(refusal) => refusal.is_of_scene(),
+        NoTruth::Stored(_) | NoTruth::TooLarge { .. } => false,
+        _ => return Err(reason.into()),
+    };
+    Ok(Nothing { reason: reason.to_string(), hopeless })
 }
 
 #[derive(Default)]
@@ -187,9 +170,9 @@ impl<'a> Judge<'a> {
             survey.take(&in_any_box(given)?, &truth);
             Ok(())
         });
-        let moved = match found.map_err(Unjudged::nothing) {
+        let moved = match found {
             Ok(_) => Some(survey.moved),
-            Err(nothing) => nothing.map(|_| None)?,
+            Err(error) => nothing(error).map(|_| None)?,
         };
         Ok((judge, moved))
     }
@@ -222,7 +205,7 @@ impl<'a> Judge<'a> {
             return Ok(known.clone());
         }
         let judged = self.hold(said, &answers, fetch).or_else(|why| {
-            let reason = format!("the answer cannot be checked: {}", why.nothing()?.reason);
+            let reason = format!("the answer cannot be checked: {}", nothing(why)?.reason);
             anyhow::Ok(Judged::without_pairs(Outcome::Refused, reason))
         })?;
         if judged.0.errors.is_some() {
@@ -236,7 +219,7 @@ impl<'a> Judge<'a> {
         said: Said<'_>,
         answers: &[Digest],
         mut fetch: impl FnMut(u64) -> Result<ContactList, String>,
-    ) -> Result<(Judged, Tracked), Unjudged> {
+    ) -> anyhow::Result<(Judged, Tracked)> {
         let (arithmetic, steps, moving) =
             (said.arithmetic, &said.found.steps, self.trajectory.is_some());
         let right = self.right(arithmetic, |_, _| Ok(()))?;
@@ -294,10 +277,10 @@ impl<'a> Judge<'a> {
     fn right(
         &mut self,
         arithmetic: Arithmetic,
-        each: impl FnMut(&Given, &Truths) -> Result<(), Unjudged>,
-    ) -> Result<Rc<[Right]>, Unjudged> {
+        each: impl FnMut(&Given, &Truths) -> anyhow::Result<()>,
+    ) -> anyhow::Result<Rc<[Right]>> {
         if let Some(known) = self.right.get(&arithmetic) {
-            return known.clone().map_err(Unjudged::Nothing);
+            return Ok(known.clone()?);
         }
         let found = self.find(arithmetic, each).map(Rc::from);
         kept(&mut self.right, arithmetic, found)
@@ -306,12 +289,12 @@ impl<'a> Judge<'a> {
     fn find(
         &mut self,
         arithmetic: Arithmetic,
-        mut each: impl FnMut(&Given, &Truths) -> Result<(), Unjudged>,
-    ) -> Result<Vec<Right>, Unjudged> {
+        mut each: impl FnMut(&Given, &Truths) -> anyhow::Result<()>,
+    ) -> anyhow::Result<Vec<Right>> {
         let frames = self.trajectory.as_ref().map_or(1, |trajectory| trajectory.frames.len());
         let mut all = Vec::new();
         for k in 0..frames {
-            interrupt::check().map_err(anyhow::Error::from)?;
+            interrupt::check()?;
             let frame = self.frame(k)?;
             let (truths, differs) = (frame.known(arithmetic)?, frame.compare(arithmetic, None)?);
             all.push(Right { digest: truths.own.digest, differs });
@@ -340,13 +323,13 @@ impl<'a> Judge<'a> {
                 let count = Count { first: first.unwrap_or(0), most: most.unwrap_or(0) };
                 Ok((count, None))
             }
-            Err(why) => Ok((Count::default(), Some(why.nothing()?))),
+            Err(why) => Ok((Count::default(), Some(nothing(why)?))),
         }
     }
 }
 
 /// Returns the contacts in ascending order; the list of them may use `limit` bytes.
-fn sorted(contacts: &ContactList, known: &Truths, limit: u64) -> Result<Vec<ImagePair>, Unjudged> {
+fn sorted(contacts: &ContactList, known: &Truths, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
     Ok(contacts.sorted(known.stored.particles(), limit).map_err(NoTruth::from)?)
 }
 
@@ -356,7 +339,7 @@ fn late(
     k: usize,
     known: &Truths,
     reported: Option<Vec<ImagePair>>,
-) -> Result<(), Unjudged> {
+) -> anyhow::Result<()> {
     let truth = sorted(&known.own.contacts, known, u64::MAX)?;
     let depth = |pair| depth(&known.stored, pair);
     late.take(k as u64, depth, reported.as_ref().unwrap_or(&truth), &truth);

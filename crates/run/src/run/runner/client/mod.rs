@@ -73,16 +73,13 @@ impl Client {
     pub fn start(start: &Start) -> Result<Client, Failure> {
         let mut runner = Client::spawn(start)?;
         // An interpreter may load its libraries slowly.
-        match runner.greet(start.time_limit.max(Duration::from_secs(30))) {
-            Ok(()) => Ok(runner),
-            Err(Failure { reason, outcome: Outcome::Unavailable | Outcome::Wrong }) => {
-                Err(Failure { outcome: Outcome::Unavailable, reason })
-            }
-            Err(Failure { reason, .. }) => Err(Failure {
-                outcome: Outcome::Unavailable,
-                reason: format!("{reason}{}", start.hint()),
-            }),
-        }
+        let greeted = runner.greet(start.time_limit.max(Duration::from_secs(30)));
+        let unavailable = |Failure { outcome, reason }| {
+            let said = matches!(outcome, Outcome::Unavailable | Outcome::Wrong);
+            let reason = if said { reason } else { reason + &start.hint() };
+            Failure { outcome: Outcome::Unavailable, reason }
+        };
+        greeted.map_err(unavailable).map(|()| runner)
     }
 
     /// Starts a process; its hello is read by [`Client::greet`].
