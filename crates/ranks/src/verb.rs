@@ -184,16 +184,12 @@ fn by_mpi<'a>(_: &Ranks, _: &str, _: &dyn Fn(usize) -> Setting<'a>) -> anyhow::R
 
 /// Returns the rows, or the error of a rank that knows the reason if any does.
 fn first_to_say_why(rows: Vec<anyhow::Result<Row>>) -> anyhow::Result<Row> {
-    let mut ended = None;
-    for row in rows {
-        match row {
-            Err(error) if !matches!(error.downcast_ref(), Some(Failure::Elsewhere(_))) => {
-                return Err(error);
-            }
-            row => ended = Some(row),
-        }
-    }
-    ended.context("no rank")?
+    let knows = |row: &anyhow::Result<Row>| match row {
+        Ok(_) => false,
+        Err(error) => !matches!(error.downcast_ref(), Some(Failure::Elsewhere(_))),
+    };
+    let which = rows.iter().position(knows).unwrap_or(0);
+    rows.into_iter().nth(which).context("no rank")?
 }
 
 fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {

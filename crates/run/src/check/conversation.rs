@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use crate::check::Wrong;
 use crate::check::process::{Foreign, Line, word, wrong};
-use crate::run::machine::disk;
+use crate::run::machine::temporary;
 use crate::run::runner::protocol::{Reply, Request};
 use crate::run::runner::trajectory::Trajectory;
 use contactbench_ground::pairs::sink::Digest;
@@ -21,7 +21,7 @@ pub fn hold(
     foreign: &Foreign,
     deadline: Duration,
 ) -> anyhow::Result<(Vec<&'static str>, Vec<Wrong>)> {
-    let folder = disk::temporary()?;
+    let folder = temporary()?;
     let at = |name: &str| folder.path().join(name);
     let scene = Given::from(Scene::at([0.0, 1.0, 2.0, 10.0].map(|x| [x, 0.0]), 0.5)?);
     let remark = Some("a field of a later version".into());

@@ -12,7 +12,7 @@ use tempfile::TempDir;
 
 use crate::check::answer::{Answer, Question, Respondent};
 use crate::check::{Differences, Wrong};
-use crate::run::machine::disk;
+use crate::run::machine::temporary;
 use crate::run::runner::client::{Client, Failure, Start};
 use crate::run::runner::protocol::{Reply, Request};
 use crate::run::runner::trajectory::Trajectory;
@@ -120,7 +120,7 @@ pub(super) struct Process {
 
 impl Process {
     pub fn new(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Process> {
-        let (folder, line) = (disk::temporary()?, Line::new(foreign, deadline));
+        let (folder, line) = (temporary()?, Line::new(foreign, deadline));
         Ok(Process { line, folder, used: false })
     }
 

@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 
 use crate::recommend::subject::{HOPELESS, Race, RacedSubject, drop_slow};
 use crate::run::judge::Said;
-use crate::run::machine::disk;
 use crate::run::machine::processors;
+use crate::run::machine::temporary;
 use crate::run::runner::client::{Client, Failure, Start};
 use crate::run::stage::bench::{self, Bench, sample};
 use crate::run::stage::passes::{SHORTEST_SAMPLE_NS, measure};
@@ -51,7 +51,7 @@ pub struct Question<'a> {
 }
 
 pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Race> {
-    let folder = disk::temporary()?;
+    let folder = temporary()?;
     note("finding the true pairs");
     let Question { given, history, arithmetic, memory_limit, .. } = *question;
     let mut bench = Bench::at_rest(given, history, folder.path(), memory_limit)?;
@@ -113,17 +113,11 @@ impl Ground<'_> {
             let mut subject = self.entered(entry);
             // The first probe may use the whole time, later probes what is left of its first half.
             let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
-            if left.is_zero() {
-                let reason = "not tried: time was up (--seconds)".into();
-                subject.fail(Failure { outcome: Outcome::Timeout, reason });
-            } else {
-                // A slow probe must not use up the time of those that follow.
-                let patience =
-                    shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left / 3));
-                let best = subjects.iter().filter_map(|subject| subject.probe_ns).min();
-                let took = self.probe(&mut subject, patience.max(SHORTEST_PROBE), best)?;
-                shortest = shortest.into_iter().chain(took).min();
-            }
+            // A slow probe must not use up the time of those that follow.
+            let patience = shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left / 3));
+            let best = subjects.iter().filter_map(|subject| subject.probe_ns).min();
+            let took = self.probe(&mut subject, patience.max(SHORTEST_PROBE), best)?;
+            shortest = shortest.into_iter().chain(took).min();
             subjects.push(subject);
         }
         drop_slow(&mut subjects);
@@ -150,12 +144,8 @@ impl Ground<'_> {
         subject.start.time_limit = patience;
         let Some((time, mut client)) = self.sample(subject, None)? else {
             if subject.row.outcome == Outcome::Timeout {
-                let what = match best {
-                    None => ": give more --seconds",
-                    Some(_) => "; others had answered by then",
-                };
-                subject.row.reason =
-                    format!("no answer after {:.1} s{what}", patience.as_secs_f64());
+                let seconds = patience.as_secs_f64();
+                subject.row.reason = format!("no answer after {seconds:.1} s; give more --seconds");
             }
             return Ok(None);
         };

@@ -7,8 +7,8 @@ use anyhow::{Context, ensure};
 use serde_json::Value;
 
 use crate::plan::{builtin, detectors};
-use crate::run::machine::disk;
 use crate::run::machine::interrupt;
+use crate::run::machine::temporary;
 use crate::run::origins::{Origins, fingerprint};
 use crate::run::plan::{self, Job, Planned, describe};
 use crate::run::stage::{Log, Progress, Stage};
@@ -98,7 +98,7 @@ pub fn run(
         !scenes.is_empty() || asked.shard.is_some(),
         "there is no scene to run: a list such as n = [] is empty; give it a value"
     );
-    let temporary = disk::temporary()?;
+    let scenes_folder = temporary()?;
     std::fs::create_dir_all(folder.join(folder::EXPERIMENTS)).with_context(|| {
         format!("cannot make the result folder {}; choose another with --out", folder.display())
     })?;
@@ -107,7 +107,7 @@ pub fn run(
     write_origin(asked, folder, &label, base)?;
     let (too_slow, noted) = (TooSlow::new(&done.rows), BTreeSet::new());
     let log = Log { record, origins, progress, too_slow, noted, span: None, latest: Vec::new() };
-    measure(&job, &scenes, &done.rows, temporary.path(), log).map_err(|error| {
+    measure(&job, &scenes, &done.rows, scenes_folder.path(), log).map_err(|error| {
         let of_disk = |cause: &(dyn std::error::Error + 'static)| cause.is::<std::io::Error>();
         match error.is::<WriteError>() || error.chain().any(of_disk) {
             true => Stopped(error).into(),

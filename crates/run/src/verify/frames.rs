@@ -1,6 +1,5 @@
 //! Compares the contact lists of all chosen frames, one frame after the other.
 
-use std::cell::OnceCell;
 use std::collections::HashMap;
 
 use anyhow::bail;
@@ -137,24 +136,21 @@ impl All {
     /// Records the missed contacts of a frame, to see which later frames report them.
     fn follow(&mut self, verified: &Verified) {
         let Verification { missed, truth, .. } = &verified.found;
-        let ids = verified.ids.as_deref();
-        let name = |k: u32| ids.map_or(i64::from(k), |ids| ids[k as usize]);
+        if missed.is_empty() && !self.late.is_open() {
+            return;
+        }
+        let numbers = || (0..verified.scene().len() as i64).collect();
+        let ids = verified.ids.clone().unwrap_or_else(numbers);
+        let places: HashMap<i64, u32> = ids.iter().copied().zip(0..).collect();
+        let name = |k: u32| ids[k as usize];
         let pair = |[a, b]: [i64; 2]| [a.min(b), a.max(b)];
         let mut names: Vec<[i64; 2]> =
             missed.iter().map(|(it, _)| pair([name(it.i), name(it.j)])).collect();
         names.sort_unstable();
         names.dedup();
-        let places: OnceCell<HashMap<i64, u32>> = OnceCell::new();
-        let place = |name: i64| match ids {
-            None => u32::try_from(name).ok().filter(|&k| (k as usize) < verified.scene().len()),
-            Some(ids) => {
-                let of = || ids.iter().zip(0..).map(|(&id, k)| (id, k)).collect();
-                places.get_or_init(of).get(&name).copied()
-            }
-        };
         let depth_of = |names: &[i64; 2]| {
-            let (i, j) = (place(names[0])?, place(names[1])?);
-            let images = truth.of([i.min(j), i.max(j)]);
+            let (i, j) = (places.get(&names[0])?, places.get(&names[1])?);
+            let images = truth.of([*i.min(j), *i.max(j)]);
             images.map(|contact| depth(&verified.space, contact)).reduce(f64::max)
         };
         self.late.note(self.rows.len() as u64, &names, depth_of);

@@ -36,29 +36,20 @@ fn allowed() -> Vec<usize> {
     Vec::new()
 }
 
-pub(crate) fn keep(process: u32, processor: Option<usize>) {
+/// Keeps a process, or this thread, on a processor.
+pub(crate) fn keep(process: Option<u32>, processor: Option<usize>) {
     #[cfg(target_os = "linux")]
-    keep_on(rustix::process::Pid::from_raw(process as i32), processor);
+    {
+        use rustix::thread::{CpuSet, sched_setaffinity};
+        let whom = process.and_then(|process| rustix::process::Pid::from_raw(process as i32));
+        if let Some(processor) = processor.filter(|&processor| processor < CpuSet::MAX_CPU) {
+            let mut set = CpuSet::new();
+            set.set(processor);
+            let _ = sched_setaffinity(whom, &set);
+        }
+    }
     #[cfg(not(target_os = "linux"))]
     let _ = (process, processor);
-}
-
-pub(crate) fn keep_this_thread(processor: Option<usize>) {
-    #[cfg(target_os = "linux")]
-    keep_on(None, processor);
-    #[cfg(not(target_os = "linux"))]
-    let _ = processor;
-}
-
-#[cfg(target_os = "linux")]
-fn keep_on(whom: Option<rustix::process::Pid>, processor: Option<usize>) {
-    use rustix::thread::{CpuSet, sched_setaffinity};
-    let Some(processor) = processor.filter(|&processor| processor < CpuSet::MAX_CPU) else {
-        return;
-    };
-    let mut set = CpuSet::new();
-    set.set(processor);
-    let _ = sched_setaffinity(whom, &set);
 }
 
 #[cfg(test)]
@@ -83,7 +74,7 @@ mod tests {
         use std::process::Command;
         let Some(processor) = ALLOWED.last().copied() else { return };
         let mut child = Command::new("sleep").arg("60").spawn().unwrap();
-        keep(child.id(), Some(processor));
+        keep(Some(child.id()), Some(processor));
         let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
         child.kill().and_then(|()| child.wait()).unwrap();
         let list = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:"));

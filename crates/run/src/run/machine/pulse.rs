@@ -27,7 +27,7 @@ static PLACES: LazyLock<Vec<u32>> =
 pub fn pulse(processor: Option<usize>) -> Option<u64> {
     let places = &**PLACES;
     let beat = move || {
-        processors::keep_this_thread(processor);
+        processors::keep(None, processor);
         let sum = || black_box(places).iter().fold(0u32, |sum, &place| sum.wrapping_add(place));
         // This first sum is untimed; after it, the caches do not depend on the last sample.
         black_box(sum());

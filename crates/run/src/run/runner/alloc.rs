@@ -26,24 +26,25 @@ fn grow(bytes: i64) {
     PEAK.fetch_max(live, Relaxed);
 }
 
+fn take(bytes: i64) {
+    if ON.load(Relaxed) {
+        ALLOCATIONS.fetch_add(1, Relaxed);
+        grow(bytes);
+    }
+}
+
 // SAFETY: every call is forwarded to `System` with the same arguments, and its result is returned
 // unchanged; the counters do not touch the memory. So the contract of `GlobalAlloc` holds because
 // it holds for `System`.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        if ON.load(Relaxed) {
-            ALLOCATIONS.fetch_add(1, Relaxed);
-            grow(layout.size() as i64);
-        }
+        take(layout.size() as i64);
         // SAFETY: the caller upholds the contract of this method, which is that of `System`.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        if ON.load(Relaxed) {
-            ALLOCATIONS.fetch_add(1, Relaxed);
-            grow(layout.size() as i64);
-        }
+        take(layout.size() as i64);
         // SAFETY: the caller upholds the contract of this method, which is that of `System`.
         unsafe { System.alloc_zeroed(layout) }
     }
@@ -57,10 +58,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        if ON.load(Relaxed) {
-            ALLOCATIONS.fetch_add(1, Relaxed);
-            grow(size as i64 - layout.size() as i64);
-        }
+        take(size as i64 - layout.size() as i64);
         // SAFETY: the caller upholds the contract of this method, which is that of `System`.
         unsafe { System.realloc(pointer, layout, size) }
     }

@@ -94,7 +94,7 @@ impl Client {
         let mut child = family::start(&mut command)
             .map_err(|e| unavailable(format!("cannot start {program}: {e}{}", start.hint())))?;
         family::limit_memory(&child, start.memory_limit);
-        processors::keep(child.id(), start.processor);
+        processors::keep(Some(child.id()), start.processor);
         let lines = output::lines(child.stdout.take());
         let errors = output::errors(child.stderr.take());
         let input = child.stdin.take();
@@ -213,7 +213,8 @@ impl Client {
         let line = serde_json::to_string(request)
             .map_err(|error| broken(format!("cannot write the request as JSON: {error}")))?;
         let started = Instant::now();
-        let sent = self.input.as_mut().map(|input| writeln!(input, "{line}"));
+        let line = line + "\n";
+        let sent = self.input.as_mut().map(|input| input.write_all(line.as_bytes()));
         if !matches!(sent, Some(Ok(()))) {
             return Err(self.post_mortem());
         }
