@@ -164,8 +164,7 @@ pub fn contest(
     for cell in scene.cells.iter().filter(|cell| !cell.role.is_control()) {
         let (name, outcome) = (who(cell), cell.overall().0);
         if !taking_part.contains(&name) {
-            let known = without.entry(name).or_insert(outcome);
-            *known = worse(*known, outcome);
+            note(&mut without, name, outcome);
         }
     }
     let subject = |cell: &Cell| {
@@ -184,8 +183,10 @@ pub fn contest(
     Some(Contest { title, shown, first: subject(first), others, without })
 }
 
-fn worse(a: Outcome, b: Outcome) -> Outcome {
-    std::cmp::max_by_key(a, b, |outcome| (*outcome == Outcome::Wrong, *outcome))
+/// Keeps the worst outcome of each subject.
+fn note(known: &mut BTreeMap<String, Outcome>, name: String, outcome: Outcome) {
+    let known = known.entry(name).or_insert(outcome);
+    *known = std::cmp::max_by_key(*known, outcome, |it| (*it == Outcome::Wrong, *it));
 }
 
 impl Contest {
@@ -225,8 +226,7 @@ impl Alone {
         let name = names.first().filter(|_| names.len() == 1)?.to_string();
         let mut others: BTreeMap<String, Outcome> = BTreeMap::new();
         for (name, outcome) in contests.iter().flat_map(|contest| contest.without.iter().cloned()) {
-            let known = others.entry(name).or_insert(outcome);
-            *known = worse(*known, outcome);
+            note(&mut others, name, outcome);
         }
         contests.iter().all(|contest| contest.others.is_empty()).then_some(Alone { name, others })
     }
@@ -234,11 +234,9 @@ impl Alone {
 
 impl Wins {
     pub fn margin(&self) -> Option<(f64, f64, f64)> {
-        let (least, most) = self
-            .margins
-            .iter()
-            .fold((f64::INFINITY, 0_f64), |(low, high), &ratio| (low.min(ratio), high.max(ratio)));
-        Some((median(&self.margins)?, least, most))
+        let [least, most] =
+            [f64::min, f64::max].map(|pick| self.margins.iter().copied().reduce(pick));
+        Some((median(&self.margins)?, least?, most?))
     }
 }
 
