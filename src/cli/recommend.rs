@@ -68,7 +68,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         time,
         program,
     };
-    let line = Line::new();
+    let line = Line::start();
     let race = race::run(&question, &mut |text| line.show(text))?;
     drop(line);
     let verdict = Verdict::new(&race);

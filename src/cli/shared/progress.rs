@@ -18,7 +18,7 @@ const LONGEST: usize = 79;
 pub struct Line(bool);
 
 impl Line {
-    pub fn new() -> Line {
+    pub fn start() -> Line {
         Line(std::io::stderr().is_terminal())
     }
 
@@ -48,7 +48,7 @@ impl Counted {
     /// Starts counting; `frames` is the total, if known.
     pub fn new(frames: Option<u64>) -> Counted {
         let of = frames.map_or(String::new(), |all| format!(" of {all}"));
-        Counted { line: Line::new(), of, last: Cell::new(Instant::now()) }
+        Counted { line: Line::start(), of, last: Cell::new(Instant::now()) }
     }
 
     pub fn frame(&self, k: u64) {
@@ -78,7 +78,7 @@ pub struct Terminal<'a> {
 
 impl<'a> Terminal<'a> {
     pub fn new(report: &'a mut dyn FnMut() -> String) -> Terminal<'a> {
-        let (line, started) = (Line::new(), Instant::now());
+        let (line, started) = (Line::start(), Instant::now());
         Terminal { line, started, headed: false, reported: false, report }
     }
 }
