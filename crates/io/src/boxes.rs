@@ -39,10 +39,8 @@ pub fn bound(cell: &[u8], k: usize, lines: &Lines<'_>) -> anyhow::Result<f64> {
 
 pub fn in_order(ranges: &[[f64; 2]], boundaries: Boundaries) -> anyhow::Result<()> {
     for [low, high] in ranges {
-        ensure!(
-            low <= high || boundaries.replace_box(),
-            "the box goes from {low} to {high}; mend the file, or give --box or --open"
-        );
+        let sound = low <= high || boundaries.replace_box();
+        ensure!(sound, "the box goes from {low} to {high}; mend it, or give --box or --open");
     }
     Ok(())
 }
@@ -280,8 +278,7 @@ impl Boundaries {
         }
         if self.edges.is_none() && declared.is_some_and(|declared| declared.rounded) {
             notices.push(assumed!(
-                "the vectors of the box are differences of its bounds, and rounded; --box gives \
-                 them to the last digit"
+                "the box vectors are rounded differences of bounds; --box gives all digits"
             ));
         }
         let origin = declared.map_or([0.0; 3], |declared| declared.origin);

@@ -43,12 +43,11 @@ pub fn read_scene(
     radius: Option<f64>,
 ) -> anyhow::Result<AnyScene<'static>> {
     let scene = io::scene(path, io::Options { radius, dim: Some(dim), ..io::Options::NONE })?;
+    let found = (scene.len() as u64, scene.dim() as u32);
     ensure!(
-        scene.dim() as u32 == dim && scene.len() as u64 == n,
-        "{} holds {} particles in {}D, not {n} in {dim}D",
-        path.display(),
-        scene.len(),
-        scene.dim()
+        found == (n, dim),
+        "{} holds {found:?} particles and axes, not {n} in {dim}D",
+        path.display()
     );
     Ok(scene)
 }
@@ -83,11 +82,8 @@ pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Cont
     let fits = header.kind == kind && !header.big && !header.fortran;
     ensure!(
         fits && header.columns == Some(columns),
-        "{name} holds {} of the shape {}{}; pairs are '{descr}' of the shape (pairs, {columns}), \
-         in C order",
-        header.descr,
-        npy::shape(&header.sizes),
-        if header.fortran { " in Fortran order" } else { "" }
+        "{name} holds {}; pairs are '{descr}' of the shape (pairs, {columns}), in C order",
+        header.words()
     );
     let mut contacts = ContactList::default();
     header.pieces(&mut source, header.rows, columns, |_, numbers| {
@@ -133,7 +129,7 @@ mod tests {
         refused(&whole[..whole.len() - 1], "ends before the 2 x 2 numbers");
         refused(&[&whole[..], &[0; 8]].concat(), "goes on after the 2 x 2 numbers");
         refused(b"i,j\n0,1\n", "not a NumPy file");
-        for (kind, words) in [("<u8", "holds '<u8'"), (">u4", "pairs are '<u4'")] {
+        for (kind, words) in [("<u8", "type '<u8'"), (">u4", "pairs are '<u4'")] {
             let text = String::from_utf8_lossy(&whole[10..128]).replace("<u4", kind);
             refused(&[&whole[..10], text.as_bytes(), &whole[128..]].concat(), words);
         }

@@ -84,10 +84,12 @@ impl Choice {
     pub fn begin_at(&mut self, index: u64, place: impl Fn() -> String) -> anyhow::Result<Step> {
         let is_first = std::mem::replace(&mut self.seen, index + 1) == 0;
         Ok(match self.frame {
-            Frame::Only if !is_first => bail!(
-                "{}: a second frame begins; choose one with --frame 0 (the first) to --frame last",
-                place()
-            ),
+            Frame::Only if !is_first => {
+                bail!(
+                    "{}: a second frame begins; choose one with --frame 0 to --frame last",
+                    place()
+                )
+            }
             Frame::Only | Frame::Last | Frame::All => Step::Keep,
             Frame::Number(k) if k == index => Step::Keep,
             Frame::Number(k) if k < index && !self.survey => Step::Stop,
@@ -166,10 +168,8 @@ pub fn chosen<T>(
     choice: &mut Choice,
     name: &str,
 ) -> anyhow::Result<(Option<T>, u64)> {
-    ensure!(
-        choice.frame != Frame::All,
-        "{name}: one frame is wanted here; give --frame a number from 0, or last"
-    );
+    let one = choice.frame != Frame::All;
+    ensure!(one, "{name}: one frame is wanted here; give --frame a number from 0, or last");
     let mut kept = None;
     loop {
         match reader.next(choice) {

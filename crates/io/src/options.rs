@@ -150,15 +150,11 @@ impl Options {
 
     pub(super) fn check(&self) -> anyhow::Result<()> {
         let (radius, dim) = (self.radius.unwrap_or(0.0), self.dim.unwrap_or(2));
-        ensure!(
-            radius.is_finite() && radius >= 0.0,
-            "the radius given is {radius}; it must be finite and not negative"
-        );
+        let sound = radius.is_finite() && radius >= 0.0;
+        ensure!(sound, "the radius given is {radius}; it must be finite and not negative");
         ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
-        ensure!(
-            self.radius.is_none() || !self.sizes_chosen(),
-            "the radius is given, and a column of sizes is chosen, too; leave one out"
-        );
+        let twice = self.radius.is_some() && self.sizes_chosen();
+        ensure!(!twice, "the radius is given, and a column of sizes is chosen, too; leave one out");
         self.boundaries.check()
     }
 }

@@ -168,12 +168,9 @@ impl Chosen {
         for (key, column, which) in self.given() {
             let name = which.text();
             self.keeps(Column::named(&name), column, &format!("{place}: {key}={name}"))?;
-            ensure!(
-                matches!(which, Which::Name(_))
-                    && names.iter().any(|known| known.as_ref().trim() == name),
-                "{place}: {key}={name}: there is no such array among {}",
-                listed(names)
-            );
+            let is_there = names.iter().any(|known| known.as_ref().trim() == name);
+            let found = matches!(which, Which::Name(_)) && is_there;
+            ensure!(found, "{place}: {key}={name}: there is no such array among {}", listed(names));
         }
         Ok(())
     }

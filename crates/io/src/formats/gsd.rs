@@ -131,12 +131,8 @@ impl File {
     }
 
     fn data(&self, chunk: Chunk, name: &str, kind: u8, columns: u32) -> anyhow::Result<&[u8]> {
-        ensure!(
-            chunk.kind == kind && chunk.columns == columns,
-            "{name} has {} columns of type {}; {columns} of type {kind} are expected",
-            chunk.columns,
-            chunk.kind
-        );
+        let fits = chunk.kind == kind && chunk.columns == columns;
+        ensure!(fits, "{name}: not {columns} columns of type {kind}, as HOOMD writes them");
         let size = u64::from(columns) * width(kind) as u64;
         let found = part(&self.bytes, chunk.location, chunk.rows, size);
         found.with_context(|| format!("{name}: its rows go beyond the end of the file"))

@@ -63,12 +63,8 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
         } else if header.take(&lines, options)? {
             continue;
         } else if words(line).next() == Some(b"Atoms") {
-            let n = n.with_context(|| {
-                let place = lines.place();
-                format!(
-                    "{place}: no line '100 atoms' stands before Atoms, after the title in line 1"
-                )
-            })?;
+            let n =
+                n.with_context(|| format!("{lines}: no line '100 atoms' after line 1, the title"))?;
             let text = lines.text();
             let style = text.split_once('#').map(|(_, style)| style.trim());
             let style = style.filter(|style| !style.is_empty());
@@ -152,11 +148,8 @@ fn atoms(
         _ => None,
     };
     for k in 0..n {
-        ensure!(
-            lines.advance_over_blanks()?,
-            "{} ends after {k} of the {n} atoms that its header announces; write it again",
-            lines.source.name
-        );
+        let (more, name) = (lines.advance_over_blanks()?, lines.source.name);
+        ensure!(more, "{name} ends after {k} of the {n} atoms that its header announces");
         let line = lines.line().split(|&b| b == b'#').next().unwrap_or_default();
         if rows.is_none() {
             let count = words(line).count();

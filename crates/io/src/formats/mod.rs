@@ -59,81 +59,42 @@ fn keys() -> String {
     FORMATS.iter().map(|format| format.key).collect::<Vec<_>>().join(", ")
 }
 
+macro_rules! formats {
+    ($($key:literal $name:literal $endings:expr, $begins:literal, $help:literal,
+        $tells:expr, $read:expr;)*) => {
+        [$(Format {
+            key: $key,
+            help: $help,
+            name: $name,
+            endings: &$endings,
+            begins: $begins,
+            tells: $tells,
+            read: $read,
+        }),*]
+    };
+}
+
 /// All formats, in the order in which their `tells` is tried.
-pub static FORMATS: [Format; 8] = [
-    Format {
-        key: "npy",
-        help: "NumPy array",
-        name: "NumPy",
-        endings: &["npy"],
-        begins: "\\x93NUMPY; write it with numpy.save",
-        tells: |head| head.starts_with(npy::MAGIC),
-        read: Read::Frames(npy::frames),
-    },
-    Format {
-        key: "npz",
-        help: "NumPy archive of arrays",
-        name: "NumPy npz",
-        endings: &["npz"],
-        begins: "PK; write it with numpy.savez",
-        tells: |head| head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06"),
-        read: Read::Frames(npz::frames),
-    },
-    Format {
-        key: "dump",
-        help: "LAMMPS and LIGGGHTS dump",
-        name: "LAMMPS dump",
-        endings: &["dump", "lammpstrj"],
-        begins: "ITEM:",
-        tells: |head| head.starts_with(b"ITEM:"),
-        read: Read::Frames(dump::frames),
-    },
-    Format {
-        key: "vtk",
-        help: "VTK legacy, text or binary",
-        name: "VTK legacy",
-        endings: &["vtk"],
-        begins: "# vtk",
-        tells: |head| head.starts_with(b"# vtk DataFile"),
-        read: Read::Whole(vtk::read),
-    },
-    Format {
-        key: "lammps-data",
-        help: "LAMMPS data",
-        name: "LAMMPS data",
-        endings: &["lmp"],
-        begins: "",
-        tells: lammps::tells,
-        read: Read::Whole(lammps::read),
-    },
-    Format {
-        key: "xyz",
-        help: "XYZ and extended XYZ",
-        name: "XYZ",
-        endings: &["xyz", "extxyz"],
-        begins: "",
-        tells: xyz::tells,
-        read: Read::Frames(xyz::frames),
-    },
-    Format {
-        key: "gsd",
-        help: "GSD of HOOMD",
-        name: "GSD",
-        endings: &["gsd"],
-        begins: "the bytes of GSD; write it with HOOMD or the Python package gsd",
-        tells: |head| head.starts_with(gsd::MAGIC),
-        read: Read::Frames(gsd::frames),
-    },
-    Format {
-        key: "csv",
-        help: "Columns, separated by comma, semicolon, tab or blanks; YADE's text files",
-        name: "CSV",
-        endings: &["csv", "tsv"],
-        begins: "",
-        tells: |head| !head.contains(&0),
-        read: Read::Frames(csv::frames),
-    },
-];
+pub static FORMATS: [Format; 8] = formats! {
+    "npy" "NumPy" ["npy"], "\\x93NUMPY; write it with numpy.save", "NumPy array",
+        |head| head.starts_with(npy::MAGIC), Read::Frames(npy::frames);
+    "npz" "NumPy npz" ["npz"], "PK; write it with numpy.savez", "NumPy archive of arrays",
+        |head| head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06"),
+        Read::Frames(npz::frames);
+    "dump" "LAMMPS dump" ["dump", "lammpstrj"], "ITEM:", "LAMMPS and LIGGGHTS dump",
+        |head| head.starts_with(b"ITEM:"), Read::Frames(dump::frames);
+    "vtk" "VTK legacy" ["vtk"], "# vtk", "VTK legacy, text or binary",
+        |head| head.starts_with(b"# vtk DataFile"), Read::Whole(vtk::read);
+    "lammps-data" "LAMMPS data" ["lmp"], "", "LAMMPS data",
+        lammps::tells, Read::Whole(lammps::read);
+    "xyz" "XYZ" ["xyz", "extxyz"], "", "XYZ and extended XYZ",
+        xyz::tells, Read::Frames(xyz::frames);
+    "gsd" "GSD" ["gsd"], "the bytes of GSD; write it with HOOMD or the Python package gsd",
+        "GSD of HOOMD", |head| head.starts_with(gsd::MAGIC), Read::Frames(gsd::frames);
+    "csv" "CSV" ["csv", "tsv"], "",
+        "Columns, separated by comma, semicolon, tab or blanks; YADE's text files",
+        |head| !head.contains(&0), Read::Frames(csv::frames);
+};
 
 /// Returns the format of a file, by the option, else by its first bytes and its ending.
 pub fn find(

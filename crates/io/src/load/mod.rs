@@ -106,10 +106,8 @@ pub fn frames_from<T>(
     options.check()?;
     unpacked(reader, name, |input, unpacking, head, gzip| {
         ensure!(!head.is_empty(), "{name} is empty");
-        ensure!(
-            !gzip || !head.starts_with(gzip::MAGIC),
-            "{name} is compressed twice; unpack it once"
-        );
+        let twice = gzip && head.starts_with(gzip::MAGIC);
+        ensure!(!twice, "{name} is compressed twice; unpack it once");
         let source = Source { input, name, unpacking };
         let reader = formats::find(head, name, ending, options)?.open(source, options);
         let mut choice = Choice::new(options.frame, options.survey);

@@ -78,13 +78,8 @@ impl Arrays {
         let all = columns.image.iter().chain(&pair);
         let n = self.columns[i].len();
         for &k in all {
-            ensure!(
-                self.columns[k].len() == n,
-                "{name}: the array '{}' has {} numbers, and '{}' has {n}; write one for each pair",
-                short(&self.names[k]),
-                self.columns[k].len(),
-                short(&self.names[i])
-            );
+            let (other, found) = (short(&self.names[k]), self.columns[k].len());
+            ensure!(found == n, "{name}: '{other}' has {found} numbers, and there are {n} pairs");
         }
         let mut list = List { format: "NumPy npz", notices, ..List::default() };
         for row in 0..n {

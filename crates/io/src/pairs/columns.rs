@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail};
 
 use crate::pairs::{List, push};
 use crate::raw::lines::{Lines, among, listed, short, shown, whole};
@@ -182,12 +182,8 @@ fn images(names: &[String], place: impl Fn() -> String) -> anyhow::Result<Vec<us
                 [Some(x), Some(y), None] => return Ok(vec![x, y]),
                 // A single column such as s1 may hold anything.
                 [None, None, None] => {}
-                _ => ensure!(
-                    axes != AXES[0],
-                    "{}: images need the columns {stem}x and {stem}y, and {stem}z for spheres; \
-                     name them",
-                    place()
-                ),
+                _ if axes != AXES[0] => {}
+                _ => bail!("{}: an image has {stem}x, {stem}y and, for spheres, {stem}z", place()),
             }
         }
     }

@@ -111,12 +111,8 @@ impl<'a> Csv<'a> {
             let names = if header { names } else { numbers() };
             let named = Columns::named(&names, chosen, place)?;
             if header && named.is_none() {
-                ensure!(
-                    names.len() == 2,
-                    "{}: which columns hold the numbers of a pair? Name them with --pairs-columns \
-                     I,J",
-                    place()
-                );
+                let two = names.len() == 2;
+                ensure!(two, "{lines}: which columns hold the pair? Give --pairs-columns I,J");
                 self.notices.push(assumed!(
                     "line {} is taken for a header, with the names {}; write i,j if it is one, and \
                      numbers if it is a pair",

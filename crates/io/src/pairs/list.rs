@@ -32,16 +32,10 @@ impl List {
     /// Refuses a list whose images have too few axes for the periodic box, or with columns that may
     /// be images but are not known to be.
     pub fn understood(&self, dim: usize, periodic: [bool; 3]) -> anyhow::Result<()> {
-        ensure!(
-            self.images.is_none() || !self.flat || dim == 2 || !periodic[2],
-            "images are named along two vectors, and the box repeats along z, too; add the third, \
-             sz"
-        );
-        ensure!(
-            self.images.is_none() || self.flat || dim == 3 || self.format != "npy",
-            "images are named along three vectors, and these are discs; if the first column is the \
-             frame, give --frame all"
-        );
+        let third = self.images.is_none() || !self.flat || dim == 2 || !periodic[2];
+        ensure!(third, "images have two numbers, and the box repeats along z, too; add sz");
+        let two = self.images.is_none() || self.flat || dim == 3 || self.format != "npy";
+        ensure!(two, "images have three numbers, and these are discs; or give --frame all");
         if self.images.is_none() {
             let names = |which: &dyn Fn(&Other) -> bool| -> Vec<&str> {
                 let such = self.others.iter().filter(|other| which(other));
@@ -51,10 +45,8 @@ impl List {
             let doubtful = if unnamed.is_empty() && whole.len() >= dim { whole } else { unnamed };
             ensure!(
                 doubtful.is_empty(),
-                "{} may be images; give --pairs-columns I,J,SX,SY{} if so, otherwise \
-                 --pairs-columns I,J",
-                columns_of(&doubtful),
-                if dim == 2 { "" } else { ",SZ" }
+                "{} may be images; give --pairs-columns I,J,SX,SY[,SZ] if so, otherwise --pairs-columns I,J",
+                columns_of(&doubtful)
             );
         }
         Ok(())

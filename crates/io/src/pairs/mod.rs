@@ -97,11 +97,8 @@ pub fn lists_from<T>(
     frame: Frame,
     body: impl FnOnce(Lists<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
-    ensure!(
-        matches!(columns.len(), 0 | 2 | 4 | 5),
-        "--pairs-columns takes the two columns of the particles, and those of the image where \
-         there is one, with commas between: I,J or I,J,SX,SY or I,J,SX,SY,SZ"
-    );
+    let fits = matches!(columns.len(), 0 | 2 | 4 | 5);
+    ensure!(fits, "--pairs-columns takes I,J for the particles, or I,J,SX,SY[,SZ] with the image");
     unpacked(reader, name, |input, unpacking, head, _| {
         let reader = open(Source { input, name, unpacking }, head, columns)?;
         body(Lists { reader, choice: Choice::new(frame, false), name, ended: false })
@@ -121,9 +118,10 @@ fn open<'a>(
     if head.starts_with(b"PK\x03\x04") {
         return Ok(Box::new(Once::new(move || archive::read(source, columns))));
     }
+    let is_text = !head.contains(&0);
     ensure!(
-        !head.contains(&0),
-        "{name} is binary, and no npy or npz file; write the pairs as CSV with a header i,j"
+        is_text,
+        "{name} is binary, and no npy or npz; write the pairs as CSV with a header i,j"
     );
     let lines = Lines::new(source);
     if head.starts_with(b"ITEM:") {

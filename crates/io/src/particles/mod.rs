@@ -171,10 +171,8 @@ impl Particles {
 
     /// Makes discs of spheres with z = 0, if `dim` is 2. Other changes of the dimension are refused.
     pub(crate) fn in_dim(&mut self, dim: Option<u32>) -> anyhow::Result<()> {
-        ensure!(
-            dim != Some(3) || self.dim() == 3,
-            "the points have x and y only, and cannot be read as 3D: add a column z"
-        );
+        let fits = dim != Some(3) || self.dim() == 3;
+        ensure!(fits, "the points have x and y only, and cannot be read as 3D: add a column z");
         if let (Some(2), Centres::Space(points)) = (dim, &mut self.centres) {
             if let Some(k) = points.iter().position(|point| point[2] != 0.0) {
                 bail!("particle {k} has z = {}; discs must have z = 0", points[k][2]);

@@ -40,11 +40,10 @@ pub(crate) fn one_of(
         let taken = &sizes[first];
         let (a, b) = (short(&taken.label), short(&other.label));
         let alike = |(x, y): (&f64, &f64)| (x - y).abs() <= ALIKE * x.max(*y);
+        let pairs = || taken.values.iter().zip(&other.values);
         ensure!(
-            taken.values.len() == other.values.len()
-                && taken.values.iter().zip(&other.values).all(alike),
-            "{name}: the sizes in '{a}' and '{b}' differ; choose one: --columns r={a}, or d={b} \
-             for a diameter"
+            taken.values.len() == other.values.len() && pairs().all(alike),
+            "{name}: the sizes in '{a}' and '{b}' differ; choose one: --columns r={a} or d={b}"
         );
         notices.push(assumed!("the sizes in '{a}' and '{b}' agree; '{a}' is taken"));
     }

@@ -57,10 +57,8 @@ impl<R: Read> Read for Unpacked<'_, R> {
         let Unpacking { taken, given } = self.unpacking;
         given.set(given.get() + read as u64);
         if given.get() > taken.get().saturating_mul(MOST).max(FREE) {
-            return Err(io::Error::other(format!(
-                "it unpacks to more than {MOST} times its size, which coordinates do not; if it \
-                 is a particle file, unpack it first"
-            )));
+            let bomb = format!("it unpacks to more than {MOST} times its size; unpack it first");
+            return Err(io::Error::other(bomb));
         }
         Ok(read)
     }

@@ -43,6 +43,13 @@ pub struct Lines<'a> {
     ended: bool,
 }
 
+/// The place of the line, for messages.
+impl std::fmt::Display for Lines<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}", self.source.name, self.number)
+    }
+}
+
 impl<'a> Lines<'a> {
     pub fn new(source: Source<'a>) -> Lines<'a> {
         Lines { source, line: Vec::new(), number: 0, at: 0, word: 0, ended: false }
@@ -67,15 +74,12 @@ impl<'a> Lines<'a> {
         }
         if self.line.contains(&b'\r') {
             bail!(
-                "{}: a line ends in a carriage return alone, as old Macintosh files have it; write \
-                 line feeds: tr '\\r' '\\n'",
-                self.place()
+                "{self}: a line ends in a carriage return alone; write line feeds: tr '\\r' '\\n'"
             );
         }
         if self.line.len() > LONGEST_LINE {
             bail!(
-                "{}: the line is longer than {LONGEST_LINE} bytes; this is not a particle file",
-                self.place()
+                "{self}: the line is longer than {LONGEST_LINE} bytes; this is not a particle file"
             );
         }
         Ok(more)
@@ -117,7 +121,7 @@ impl<'a> Lines<'a> {
     }
 
     pub fn place(&self) -> String {
-        format!("{}:{}", self.source.name, self.number)
+        self.to_string()
     }
 
     /// `file:line:column` of the last word; columns are bytes, counted from 1.
@@ -171,7 +175,7 @@ impl<'a> Lines<'a> {
     pub fn count(&self, text: &[u8], what: &str) -> anyhow::Result<u64> {
         let Some(n) = std::str::from_utf8(text).ok().and_then(|text| text.parse::<u64>().ok())
         else {
-            bail!("{}: '{}' is not {what}", self.place(), shown(text));
+            bail!("{self}: '{}' is not {what}", shown(text));
         };
         numbered(n, "particles").with_context(|| self.place())?;
         Ok(n)

@@ -144,11 +144,8 @@ pub fn contacts(
 /// Writes a scene to a file whose ending gives the format. Only extended XYZ stores the box.
 pub fn scene(path: &Path, given: &Given) -> anyhow::Result<()> {
     let format = scene_format(path)?;
-    ensure!(
-        given.lattice.is_none() || format == SceneFormat::Xyz,
-        "{}: the scene has a periodic box, which only .xyz files store; write .xyz",
-        path.display()
-    );
+    let (fits, name) = (given.lattice.is_none() || format == SceneFormat::Xyz, path.display());
+    ensure!(fits, "{name}: the scene has a periodic box, which only .xyz files store; write .xyz");
     create(path, |out| scene_to(out, format, given))
 }
 

@@ -7,7 +7,7 @@ use crate::columns::Columns;
 use crate::columns::chosen::Chosen;
 use crate::options::Options;
 use crate::raw::lines::{Lines, Separator, decoded, is_comment, number, short, uncommented, words};
-use crate::rows::{DECIMAL_COMMAS, is_decimal_comma};
+use crate::rows::is_decimal_comma;
 use crate::types::{Declared, Notice, assumed};
 
 #[derive(Default)]
@@ -148,10 +148,8 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
         let assumed = !options.axes_chosen() && comments.edges.is_none();
         return Ok(Table { columns, assumed, is_row: true, ..table });
     }
-    ensure!(
-        separator == Separator::Blanks || !words(line).all(is_decimal_comma),
-        "{place}: the numbers have decimal commas: write points"
-    );
+    let commas = separator != Separator::Blanks && words(line).all(is_decimal_comma);
+    ensure!(!commas, "{place}: the numbers have decimal commas: write points");
     let header = named(whole);
     let text = lines.line();
     let of_text = match separator {
@@ -167,13 +165,14 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
         let columns = named(text).chosen(&place, options.columns)?;
         return Ok(Table { columns, separator: of_text, ..table });
     }
-    ensure!(
-        header.has_places() || separator.cells(line).filter(|cell| is_number(cell)).count() < 2,
-        "{place}: the first line has numbers instead of names of columns; add a header such as \
-         x,y,z,r, or assign the columns: --columns x=1,y=2 and so on"
-    );
+    let numbers = separator.cells(line).filter(|cell| is_number(cell)).count();
+    let sound_names = header.has_places() || numbers < 2;
+    ensure!(sound_names, "{place}: numbers stand where the columns are named; {ASSIGN}");
     Ok(Table { columns: header.chosen(&place, options.columns)?, ..table })
 }
+
+const ASSIGN: &str =
+    "add a header such as x,y,z,r, or assign the columns: --columns x=1,y=2 and so on";
 
 fn unnamed(
     count: usize,
@@ -190,11 +189,7 @@ fn unnamed(
         (3, Options { dim: Some(3), .. } | Options { radius: Some(_), .. }) => "x y z",
         (4, _) => "x y z r",
         (5, _) if is_packing => "x y z r clumpId",
-        _ => bail!(
-            "{place}: {count} columns without a header; add one such as x,y,z,r, or assign the \
-             columns: --columns x=1,y=2 and so on{}",
-            if count.is_multiple_of(2) { DECIMAL_COMMAS } else { "" }
-        ),
+        _ => bail!("{place}: {count} columns without a header; {ASSIGN}"),
     };
     Columns::of(names).chosen(place, options.columns)
 }

@@ -100,11 +100,8 @@ impl Table {
                             return Ok(());
                         }
                         // The cell that splits frames is only complete if another cell follows.
-                        ensure!(
-                            !lacks(split.column + 2),
-                            "{}: the line is cut off, or still being written",
-                            lines.place()
-                        );
+                        let whole = !lacks(split.column + 2);
+                        ensure!(whole, "{lines}: the line is cut off, or still being written");
                     }
                     if split.is_next(&mut cells, first, || lines.place())? {
                         return Ok(());
@@ -137,14 +134,11 @@ impl Table {
         let mut notices = self.notices.clone();
         if self.assumed {
             if let Some(which) = particles.numbered_column() {
-                bail!(
-                    "{name}: the {which} of the columns without names counts the particles; assign \
-                     the columns: --columns x=K,y=K and so on"
-                );
+                bail!("{name}: the {which} column counts the particles; give --columns x=K,y=K");
             }
+            let names = names.join(", ");
             notices.push(assumed!(
-                "the columns have no names and are read as {}; --columns changes this",
-                names.join(", ")
+                "the columns have no names and are read as {names}; or give --columns"
             ));
         }
         let (mut particles, mut about) = loaded(self.format, particles, radius);

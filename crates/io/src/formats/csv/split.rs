@@ -86,8 +86,7 @@ impl Blocks {
         let blocks = self.more + 1;
         (self.more > 0 && self.rows > blocks).then(|| {
             assumed!(
-                "blank lines or comments divide the rows into {blocks} blocks, which are taken as \
-                 one; if each is a frame, write the frame as a column"
+                "blank lines or comments divide the rows into {blocks} blocks, taken as one frame"
             )
         })
     }
@@ -173,24 +172,19 @@ impl Split {
             }
             return Ok(false);
         }
-        let name = short(&self.name);
+        let (place, name) = (place(), short(&self.name));
         if *self.order.get_or_insert(order) != order {
+            let (after, before) = (shown(cell), shown(&self.value));
             bail!(
-                "{}: the rows are not sorted by '{name}', which splits them into frames: '{}' \
-                 comes after '{}'; sort them by that column (sort -s -g -k {}), or give --columns \
-                 frame=none",
-                place(),
-                shown(cell),
-                shown(&self.value),
-                self.column + 1
+                "{place}: the rows are not sorted by '{name}', which splits them into frames: '{after}' \
+                 comes after '{before}'; sort them by that column, or give --columns frame=none"
             );
         }
         // The end of the first frame shows whether each row has its own value.
+        let sure = !std::mem::take(&mut self.doubtful) || self.rows > 1;
         ensure!(
-            !std::mem::take(&mut self.doubtful) || self.rows > 1,
-            "{}: the first rows differ in '{name}'; give --columns frame={name} if each row is a \
-             frame, otherwise --columns frame=none",
-            place(),
+            sure,
+            "{place}: the first rows differ in '{name}'; --columns frame={name} or frame=none"
         );
         Ok(true)
     }

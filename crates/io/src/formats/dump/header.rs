@@ -50,10 +50,11 @@ impl<'a> Headers<'a> {
             }
             let of = item.strip_prefix("NUMBER OF ").unwrap_or(item);
             match of.split(' ').next() {
-                Some("ENTRIES") if *section == "ATOMS" => bail!(
-                    "{place}: this is a dump of pairs or bonds, not of atoms; give it to verify \
-                     --pairs"
-                ),
+                Some("ENTRIES") if *section == "ATOMS" => {
+                    bail!(
+                        "{place}: this is a dump of pairs, not of atoms; give it to verify --pairs"
+                    )
+                }
                 Some("GRID" | "DIMENSION") if *section == "ATOMS" => bail!(
                     "{place}: this is a dump of grid cells, not of atoms; write one of style custom"
                 ),
@@ -73,17 +74,16 @@ impl<'a> Headers<'a> {
         }
         let name = lines.source.name;
         ensure!(*any, "{name} ends before a section 'ITEM: {section}'; write it again");
-        ensure!(
-            !open,
-            "{name} ends in the header of a frame: it is cut off, or still being written"
-        );
+        ensure!(!open, "{name} ends in the header of a frame: {TORN}");
         Ok(None)
     }
 }
 
+const TORN: &str = "it is cut off, or still being written";
+
 fn next(lines: &mut Lines<'_>) -> anyhow::Result<()> {
     let (more, name) = (lines.advance()?, lines.source.name);
-    ensure!(more, "{name} ends in the header of a frame: it is cut off, or still being written");
+    ensure!(more, "{name} ends in the header of a frame: {TORN}");
     Ok(())
 }
 
@@ -96,12 +96,12 @@ fn bounds(lines: &mut Lines<'_>, kind: &str, boundaries: Boundaries) -> anyhow::
     };
     let overruled = boundaries.overrule();
     let periodic = periodic(flags);
+    let sound = periodic.is_some() || flags.is_empty() || overruled;
+    let flags = short(&flags.join(" "));
     ensure!(
-        periodic.is_some() || flags.is_empty() || overruled,
-        "{}: the boundaries of the box are '{}', not pp or two of the letters f, s and m for each \
-         axis; mend the line, or give --periodic or --open",
-        lines.place(),
-        short(&flags.join(" "))
+        sound,
+        "{lines}: the boundaries of the box are '{flags}', not pp or two of the letters f, s and m for \
+         each axis; mend the line, or give --periodic or --open"
     );
     let mut rows = [[0.0; 4]; 3];
     for row in &mut rows {

@@ -70,20 +70,14 @@ impl Framed for Dump<'_> {
 /// Returns rows for the columns of a frame, and whether its coordinates are scaled by the box.
 fn atoms(header: &Header, options: Options) -> anyhow::Result<(Rows, bool)> {
     let Header { names, place, bounds, .. } = header;
-    ensure!(
-        !names.trim().is_empty(),
-        "{place}: the line names no columns, as old versions of LAMMPS wrote it; put their names \
-         behind it, as in 'ITEM: ATOMS id type xs ys zs' (scaled by the box) or 'id type x y z'"
-    );
+    let named = !names.trim().is_empty();
+    ensure!(named, "{place}: no columns are named; write 'ITEM: ATOMS id type x y z' or xs ys zs");
     let mut columns = Columns::named(names.split_whitespace()).chosen(place, options.columns)?;
     let kind = axes(&mut columns, options.axes_chosen(), place)?;
     let mut particles = columns.particles(place, options)?;
     let scaled = kind.starts_with('s');
-    ensure!(
-        !scaled || bounds.is_some(),
-        "{place}: coordinates are scaled by the box (xs), and there is no 'ITEM: BOX BOUNDS'; write \
-         x y z"
-    );
+    let has_box = !scaled || bounds.is_some();
+    ensure!(has_box, "{place}: xs is scaled by the box, and there is no 'ITEM: BOX BOUNDS'");
     let assumed = [
         (scaled, "coordinates scaled by the box (xs): turned into lengths, which are rounded"),
         (
@@ -116,12 +110,8 @@ fn axes(columns: &mut Columns, chosen: bool, place: &str) -> anyhow::Result<&'st
     }
     let axes = ["x", "y", "z"].map(|axis| format!("{axis}{kind}"));
     let other = kinds.map(|kind| format!("z{kind}")).find(|z| at(z).is_some());
-    ensure!(
-        at(&axes[2]).is_some() || other.is_none(),
-        "{place}: the columns are '{}' and '{}', which are not of one kind; write x y z",
-        axes[0],
-        other.unwrap_or_default()
-    );
+    let of_one_kind = at(&axes[2]).is_some() || other.is_none();
+    ensure!(of_one_kind, "{place}: z is not of the same kind as '{}'; write x y z", axes[0]);
     for (meaning, name) in meaning.iter_mut().zip(names) {
         match axes.iter().position(|axis| axis == name) {
             Some(k) => *meaning = Column::Axis(k),

@@ -46,12 +46,8 @@ fn frame(source: &mut Source<'_>, header: &mut Header, options: Options) -> anyh
     if !header.fields.is_empty() {
         return Ok(records(source, header, options)?.read("NumPy npy"));
     }
-    ensure!(
-        options.columns.is_none(),
-        "{}: the columns of an array have no names; leave out --columns, and save them in the \
-         order x, y, z, radius",
-        source.name
-    );
+    let (name, unnamed) = (source.name, options.columns.is_none());
+    ensure!(unnamed, "{name}: an array has x, y, z, radius in this order; leave out --columns");
     let (particles, radius) = particles(source, header, options)?;
     // If the user gives the dimension, columns that count the particles are accepted.
     if let Some(which) = particles.numbered_column().filter(|_| options.dim.is_none()) {

@@ -24,12 +24,8 @@ pub fn shape(sizes: &[u64]) -> String {
 impl Source<'_> {
     pub(crate) fn end(&mut self, header: &Header) -> anyhow::Result<()> {
         let more = self.fill(&mut [0])?;
-        ensure!(
-            !more,
-            "{} goes on after the {} numbers that its header announces; write it again",
-            self.name,
-            header.shape_in_words()
-        );
+        let (name, shape) = (self.name, header.shape_in_words());
+        ensure!(!more, "{name} goes on after the {shape} numbers that its header announces");
         Ok(())
     }
 }
@@ -63,10 +59,8 @@ impl Header {
 
     pub(super) fn of_rows(&self, frames: bool) -> anyhow::Result<()> {
         let shape = shape(&self.sizes);
-        ensure!(
-            self.fields.is_empty(),
-            "the array has fields; save numpy.column_stack([a['i'], a['j']]), with their names"
-        );
+        let plain = self.fields.is_empty();
+        ensure!(plain, "the array has fields; save numpy.column_stack([a['i'], a['j']])");
         match self.sizes[..] {
             [_] | [_, _] => Ok(()),
             // Empty frames need no bytes, so a false header could announce any number of them.
@@ -182,11 +176,8 @@ impl Header {
             let rows = (count - first).min(most);
             let bytes = &mut piece[..rows as usize * row];
             if !source.fill(bytes)? {
-                bail!(
-                    "{} ends before the {} numbers that its header announces; write it again",
-                    source.name,
-                    self.shape_in_words()
-                );
+                let (name, shape) = (source.name, self.shape_in_words());
+                bail!("{name} ends before the {shape} numbers that its header announces");
             }
             numbers.clear();
             match (self.kind, self.big) {
@@ -221,10 +212,8 @@ pub(crate) fn any_header(source: &mut Source<'_>) -> anyhow::Result<Header> {
     };
     let mut start = [0; 8];
     need(&mut start)?;
-    ensure!(
-        start.starts_with(MAGIC),
-        "{name} is not a NumPy file: it does not begin with \\x93NUMPY; write it with numpy.save"
-    );
+    let is_npy = start.starts_with(MAGIC);
+    ensure!(is_npy, "{name} is not a NumPy file: it does not begin with \\x93NUMPY");
     let wide = match start[6] {
         1 => 2,
         2 | 3 => 4,
@@ -235,10 +224,7 @@ pub(crate) fn any_header(source: &mut Source<'_>) -> anyhow::Result<Header> {
     let mut length = [0; 4];
     need(&mut length[..wide])?;
     let length = u32::from_le_bytes(length) as usize;
-    ensure!(
-        length <= LONGEST_HEADER,
-        "{name}: the npy header has {length} bytes; at most {LONGEST_HEADER} are read"
-    );
+    ensure!(length <= LONGEST_HEADER, "{name}: the npy header has {length} bytes, too many");
     let mut text = vec![0; length];
     need(&mut text)?;
     let text = String::from_utf8_lossy(&text).to_string();

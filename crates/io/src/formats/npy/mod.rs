@@ -35,21 +35,12 @@ pub fn particles(
     let rows = header.rows;
     let Some(columns @ 2..=4) = header.columns else {
         bail!(
-            "{name}: the shape is {}; it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the \
-             radius last{}",
-            shape(&header.sizes),
-            match header.columns {
-                Some(_) if matches!(rows, 2..=4) => "; save the transpose, a.T",
-                Some(5..) => "; choose columns, as in a[:, [0, 1, 2, 3]]",
-                _ => "",
-            }
+            "{name}: the shape is {}; it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the radius last",
+            shape(&header.sizes)
         )
     };
-    ensure!(
-        header.is_real(),
-        "{name}: the type {} is not read; convert with .astype('f8')",
-        header.descr
-    );
+    let (real, kind) = (header.is_real(), &header.descr);
+    ensure!(real, "{name}: the type {kind} is not read; convert with .astype('f8')");
     numbered(rows, "particles").with_context(|| name.to_string())?;
     let (dim, has_radii) = match (columns, options.dim) {
         (2, _) => (2, false),

@@ -56,12 +56,9 @@ impl Cell {
             });
             return Ok(());
         }
-        ensure!(
-            self.vectors.is_none(),
-            "{place}: there are two arrays for the box, '{}' and '{}'; remove one, or give --box",
-            short(label),
-            self.vectors.as_ref().map_or("", |found| &found.label)
-        );
+        if let Some(Found { label: other, .. }) = &self.vectors {
+            bail!("{place}: '{}' and '{other}' are both the box; give --box", short(label));
+        }
         let label = short(label);
         self.vectors = Some(Found { values, shape, label });
         Ok(())

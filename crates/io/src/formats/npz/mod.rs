@@ -72,10 +72,7 @@ fn local(source: &mut Source<'_>) -> anyhow::Result<Option<Local>> {
     if matches!(&start, b"PK\x01\x02" | b"PK\x05\x06" | b"PK\x06\x06") {
         return Ok(None);
     }
-    ensure!(
-        &start == b"PK\x03\x04",
-        "{name}: no file begins where the zip archive should have one; write it again"
-    );
+    ensure!(&start == b"PK\x03\x04", "{name}: no file begins where the zip archive has one");
     let mut fixed = [0; 26];
     ensure!(source.fill(&mut fixed)?, torn());
     let short_at = |k: usize| u16::from_le_bytes([fixed[k], fixed[k + 1]]);
@@ -112,10 +109,7 @@ fn descriptor(source: &mut Source<'_>, wide: bool) -> anyhow::Result<()> {
     let whole = source.fill(&mut start)?;
     let signed = &start == b"PK\x07\x08";
     let length = if wide { 20 } else { 12 } - if signed { 0 } else { 4 };
-    ensure!(
-        whole && source.skip(length)?,
-        "{}: the zip archive is cut off; write it again",
-        source.name
-    );
+    let whole = whole && source.skip(length)?;
+    ensure!(whole, "{}: the zip archive is cut off; write it again", source.name);
     Ok(())
 }

@@ -195,11 +195,8 @@ impl Scenes {
         let of_frame = |size| of_frame(size, n, frame).with_context(|| name.to_string());
         let sizes = self.sizes.iter_mut().map(of_frame).collect::<anyhow::Result<_>>()?;
         if let Some(size) = one_of(sizes, name, &mut particles.notices)? {
-            ensure!(
-                !particles.has_radii(),
-                "{name} holds radii in the array of points and in '{}', too; keep one of them",
-                short(&size.label)
-            );
+            let (twice, label) = (particles.has_radii(), short(&size.label));
+            ensure!(!twice, "{name} holds radii in the array of points and in '{label}'; keep one");
             (radius, particles.radii) = size.radii();
         }
         particles.unused.extend(self.others.iter().take(256).cloned());
@@ -228,8 +225,7 @@ fn of_frame(size: &mut Array, n: usize, frame: Option<[u64; 2]>) -> anyhow::Resu
         }
         _ if all.len() == 1 => values.resize(n, all[0]),
         _ => bail!(
-            "{n} points, but '{}' has the shape {}; write one number for all, or one for each \
-             particle, shape ({n},)",
+            "{n} points, but '{}' has the shape {}; write one number, or shape ({n},)",
             short(label),
             npy::shape(&shape)
         ),

@@ -37,11 +37,11 @@ impl Cells {
         let Cells { lines, faces } = *self;
         if faces > 0 {
             let what = plural(faces as usize, "polygon or cell");
+            let sized = options.radius.is_some() || options.sizes_chosen();
             ensure!(
-                options.radius.is_some() || options.sizes_chosen(),
-                "{name}: the points are the corners of {what}, as in a mesh or after a Glyph \
-                 filter; save the particles before that filter, or give a size to take each corner \
-                 as a particle: --radius R or --columns r=NAME"
+                sized,
+                "{name}: the points are the corners of {what}; save the particles before a Glyph filter, \
+                 or give --radius R or --columns r=NAME to take each corner as a particle"
             );
             notices.push(assumed!("the corners of {what} are taken as particles"));
         } else if lines > 0 {
@@ -176,11 +176,8 @@ impl Arrays {
         // Bytes named r are colours (red), not radii.
         let red = label.eq_ignore_ascii_case("r") && kind == Kind::U8 && !options.sizes_chosen();
         let is_size = column.is_size() && !red;
-        ensure!(
-            components == 1 || of == Of::Nothing || !(is_size && options.sizes_chosen()),
-            "'{}' has {components} numbers for each; a size is one number",
-            short(label)
-        );
+        let one = components == 1 || of == Of::Nothing || !(is_size && options.sizes_chosen());
+        ensure!(one, "'{}' has {components} numbers for each; a size is one number", short(label));
         Ok(match of {
             Of::Points if ["vtkGhostType", "vtkGhostLevels"].contains(&label) => Target::Ghosts(0),
             Of::Nothing => Target::Nothing,
@@ -249,8 +246,9 @@ impl Arrays {
         let ghosts = self.ghosts;
         ensure!(ghosts == 0, "{name}: {ghosts} of the points are ghosts; save the data without");
         if let Some(chosen) = options.columns {
+            let sizes = !chosen.axes();
             ensure!(
-                !chosen.axes(),
+                sizes,
                 "{name}: {format} has its own points; choose only a size: r=NAME or d=NAME"
             );
             let sizes = self.sizes.iter().map(|size| &size.label);

@@ -75,11 +75,9 @@ impl Comment {
         if self.get(wanted).is_none()
             && let Some(pair) = self.0.iter().find(|pair| near(&pair.key))
         {
+            let (column, key) = (pair.column, short(&pair.key));
             bail!(
-                "column {}: the key '{}' is not read, and may be meant for {wanted}; name it \
-                 {wanted}{remedy}",
-                pair.column,
-                short(&pair.key)
+                "column {column}: the key '{key}' may be meant for {wanted}; name it {wanted}{remedy}"
             );
         }
         Ok(())

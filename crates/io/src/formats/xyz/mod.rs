@@ -83,8 +83,7 @@ fn maybe_box(line: &str) -> Option<Notice> {
     let columns = line.to_ascii_lowercase().contains("columns:");
     (numbers >= 3 || columns).then(|| {
         assumed!(
-            "line 2 may hold a box or the names of columns, in a form that is not read: boundaries \
-             are open, and columns are species x y z; --box and --columns change this"
+            "line 2 may hold a box or columns, and is not read; --box and --columns replace it"
         )
     })
 }
@@ -110,18 +109,17 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
         lines.row(k, n, ROWS)?;
         let line = lines.line();
         let first = words(line).next().unwrap_or_default();
+        let named = !unsure || number(first).is_none_or(|value| value.fract() == 0.0);
+        let first = shown(first);
         ensure!(
-            !unsure || number(first).is_none_or(|value| value.fract() == 0.0),
-            "{}: '{}' is where the species is expected in a plain XYZ file; assign the columns, as \
-             in --columns x=1,y=2,z=3,r=4",
-            lines.place(),
-            shown(first)
+            named,
+            "{lines}: '{first}' is no species; assign the columns: --columns x=1,y=2,z=3,r=4"
         );
+        let many = words(line).count() > rows.columns.names.len();
         ensure!(
-            !unsure || options.radius.is_some() || words(line).count() <= rows.columns.names.len(),
-            "{}: a plain XYZ file has 4 columns; give --radius R to skip the others, or name them \
-             in line 2 as in Properties=species:S:1:pos:R:3:radius:R:1",
-            lines.place()
+            !unsure || options.radius.is_some() || !many,
+            "{lines}: a plain XYZ file has 4 columns; give --radius R to skip the others, or name them \
+             in line 2 as in Properties=species:S:1:pos:R:3:radius:R:1"
         );
         rows.push(line, lines)?;
     }
@@ -159,10 +157,8 @@ fn declared(
     let dim = if space { 3 } else { 2 };
     let mut vectors = None;
     if boundaries.edges.is_none() {
-        ensure!(
-            !line.contains("CELL(") && !line.contains("CELL{"),
-            "the box as i-PI writes it (CELL) is not read; give --box or --open"
-        );
+        let i_pi = line.contains("CELL(") || line.contains("CELL{");
+        ensure!(!i_pi, "the box as i-PI writes it (CELL) is not read; give --box or --open");
         comment.no_other("Lattice", ", or give --box or --open")?;
         let what = match space {
             true => "nine finite numbers, one vector after the other, or three edges",
@@ -190,10 +186,8 @@ fn declared(
 fn announced(properties: &str) -> anyhow::Result<Columns> {
     let parts: Vec<&str> = properties.split(':').map(str::trim).collect();
     let mut columns = Columns::default();
-    ensure!(
-        parts.len().is_multiple_of(3),
-        "it must be triples name:type:number, as in species:S:1:pos:R:3:radius:R:1"
-    );
+    let triples = parts.len().is_multiple_of(3);
+    ensure!(triples, "it must be triples name:type:number, as in species:S:1:pos:R:3:radius:R:1");
     for triple in parts.chunks_exact(3) {
         let name = triple[0];
         let count = triple[2].parse().ok().filter(|count: &usize| (1..=1000).contains(count));
@@ -201,10 +195,8 @@ fn announced(properties: &str) -> anyhow::Result<Columns> {
             || format!("'{}' is not a number of columns from 1 to 1000", short(triple[2]));
         let count = count.with_context(of_columns)?;
         // Without this limit, a line of a million letters could reserve gigabytes for columns.
-        ensure!(
-            columns.names.len() + count <= MOST_COLUMNS,
-            "it announces more than {MOST_COLUMNS} columns; remove what is not needed"
-        );
+        let fits = columns.names.len() + count <= MOST_COLUMNS;
+        ensure!(fits, "it announces more than {MOST_COLUMNS} columns; remove what is not needed");
         for k in 0..count {
             let (meaning, name) = match (name.to_ascii_lowercase().as_str(), Column::named(name)) {
                 ("pos", _) => {
