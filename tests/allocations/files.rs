@@ -134,7 +134,8 @@ fn reading_takes_little_more_than_the_coordinates() {
     let text: String = (0..n).map(|k| numbers(k).map(|x| x.to_string()).join(",") + "\n").collect();
     let flat: Vec<f64> = (0..n).flat_map(numbers).collect();
     for bytes in [format!("x,y,z,r\n{text}").into_bytes(), npy(&format!("({n}, 4)"), &flat)] {
-        let (scene, usage) = alloc::measure(|| io::from(&bytes[..], "p", "", NONE).unwrap());
+        let read = || io::load_from(&bytes[..], "p", "", NONE).unwrap().0.scene("p", None).unwrap();
+        let (scene, usage) = alloc::measure(read);
         let peak = usage.expect("the counting allocator is installed").peak_bytes;
         assert_eq!(scene.len(), n);
         let most = 5 * (24 * n as u64) / 2;

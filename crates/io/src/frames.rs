@@ -163,7 +163,39 @@ impl<T, F: FnOnce() -> anyhow::Result<T>> Reader<T> for Once<F> {
     }
 }
 
-pub fn chosen<T>(
+/// The frames of a file, of which only one is in memory at a time.
+pub struct Stream<'a, T> {
+    reader: Box<dyn Reader<T> + 'a>,
+    pub choice: Choice,
+    pub name: &'a str,
+    pub ended: bool,
+}
+
+impl<'a, T> Stream<'a, T> {
+    pub fn new(reader: Box<dyn Reader<T> + 'a>, choice: Choice, name: &'a str) -> Stream<'a, T> {
+        Stream { reader, choice, name, ended: false }
+    }
+
+    /// Returns the chosen frame, and its number.
+    pub fn one(&mut self) -> anyhow::Result<(Option<T>, u64)> {
+        chosen(&mut *self.reader, &mut self.choice, self.name)
+    }
+}
+
+impl<T> Iterator for Stream<'_, T> {
+    type Item = anyhow::Result<T>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        let next = self.reader.next(&mut self.choice).transpose()?;
+        self.ended = next.is_err();
+        Some(next.map_err(|error| self.choice.with_whole(error)))
+    }
+}
+
+fn chosen<T>(
     reader: &mut dyn Reader<T>,
     choice: &mut Choice,
     name: &str,

@@ -39,7 +39,7 @@ pub use boxes::Boundaries;
 pub use columns::without::{Groups, Without};
 pub use formats::FORMATS;
 pub use load::series::exists;
-pub use load::{Frames, frames, frames_from, from, given, load, load_from, scene};
+pub use load::{Frames, frames, frames_from, given, load, load_from, scene};
 pub use options::{FileOption, Format, OPTIONS, Options};
 pub use particles::{Given, Loaded, Particles};
 pub use raw::lines::{LONGEST_LINE, short};

@@ -1,6 +1,6 @@
 //! Particles from the rows of a table: lines with cells, and records of binary files.
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 
 use crate::columns::{Column, Columns, units};
 use crate::options::Options;
@@ -15,8 +15,6 @@ pub struct Rows {
     pub columns: Columns,
     pub particles: Particles,
 }
-
-pub const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
 
 impl Columns {
     pub fn rows(self, place: &str, options: Options) -> anyhow::Result<Rows> {
@@ -48,13 +46,12 @@ impl Columns {
         Ok(particles)
     }
 
-    /// Adds the particle of one line. `between` describes the separator, for messages.
+    /// Adds the particle of one line.
     pub fn push<'a>(
         &self,
         particles: &mut Particles,
         mut cells: impl Iterator<Item = &'a [u8]> + Clone,
         place: impl Fn() -> String,
-        between: impl Fn() -> String,
     ) -> anyhow::Result<()> {
         let (mut point, mut radius, mut id, mut bad) = ([0.0; 3], 0.0, 0, None);
         let all = cells.clone();
@@ -82,7 +79,7 @@ impl Columns {
             }
         }
         if bad.is_some() || !self.or_more && cells.next().is_some() {
-            return Err(self.fault(all, bad, &between()).context(place()));
+            return Err(self.fault(all, bad).context(place()));
         }
         if let Some(groups) = &mut particles.groups {
             groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
@@ -95,7 +92,6 @@ impl Columns {
         &self,
         mut cells: impl Iterator<Item = &'a [u8]> + Clone,
         bad: Option<(usize, &str)>,
-        between: &str,
     ) -> anyhow::Error {
         let (count, wanted) = (cells.clone().count(), self.meaning.len());
         if let Some((k, why)) = bad.filter(|_| count == wanted || self.or_more && count > wanted) {
@@ -103,8 +99,8 @@ impl Columns {
             let name = short(&self.names[k]);
             return anyhow!("column '{name}': '{cell}' {why}; mend or remove the line");
         }
-        let remedy = if count == 2 * wanted { DECIMAL_COMMAS } else { "" };
-        anyhow!("{} where {wanted} are expected{between}{remedy}", plural(count, "column"))
+        let (count, names) = (plural(count, "column"), listed(&self.names));
+        anyhow!("{count} where {wanted} are expected ({names}); mend or remove the line")
     }
 }
 
@@ -138,19 +134,17 @@ impl Rows {
 
     pub fn push(&mut self, line: &[u8], lines: &Lines<'_>) -> anyhow::Result<()> {
         let Rows { columns, particles } = self;
-        let between = || format!(" ({})", listed(&columns.names));
-        columns.push(particles, Separator::Blanks.cells(line), || lines.place(), between)
+        columns.push(particles, Separator::Blanks.cells(line), || lines.place())
     }
 
-    /// Adds the particles of the next `count` records of a binary file, and returns the number of
-    /// records read. `fields` are the type (`None` if not a number) and size in bytes of each
-    /// column.
+    /// Adds the particles of the next `count` records of a binary file. `fields` are the type (`None`
+    /// if not a number) and size in bytes of each column.
     pub fn push_records(
         &mut self,
         source: &mut Source<'_>,
         count: u64,
         fields: &[(Option<(Kind, bool)>, usize)],
-    ) -> anyhow::Result<u64> {
+    ) -> anyhow::Result<()> {
         let mut ends = vec![0];
         ends.extend(fields.iter().scan(0, |end, (_, width)| {
             *end += width;
@@ -158,15 +152,14 @@ impl Rows {
         }));
         let mut record = vec![0; ends[fields.len()]];
         for k in 0..count {
-            if !source.fill(&mut record)? {
-                return Ok(k);
-            }
+            let (whole, name) = (source.fill(&mut record)?, source.name);
+            ensure!(whole, "{name} ends before the {count} records that its header announces");
             self.push_record(k, |at| {
                 Some(fields[at].0?.0.get(&record[ends[at]..], fields[at].0?.1))
             })
             .with_context(|| format!("{}: record {k} (from 0)", source.name))?;
         }
-        Ok(count)
+        Ok(())
     }
 
     /// Adds the particle of record `k`; `value` returns the number in a column, if there is one.

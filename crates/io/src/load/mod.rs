@@ -9,7 +9,7 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 
 use crate::formats;
-use crate::frames::{self, Choice, Reader};
+use crate::frames::{Choice, Stream};
 use crate::options::Options;
 use crate::particles::{Given, Loaded, Particles};
 use crate::raw::gzip::{self, Unpacking};
@@ -25,18 +25,6 @@ pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>>
 pub fn given(path: &Path, options: Options) -> anyhow::Result<Given> {
     let (particles, _) = load(path, options)?;
     particles.given(&path.display().to_string(), options.radius)
-}
-
-/// Reads a scene from a stream. `name` is used in messages; `ending` is the file name's ending in
-/// lower case.
-pub fn from(
-    reader: impl BufRead,
-    name: &str,
-    ending: &str,
-    options: Options,
-) -> anyhow::Result<AnyScene<'static>> {
-    let (particles, _) = load_from(reader, name, ending, options)?;
-    particles.scene(name, options.radius)
 }
 
 /// Reads the particles of a file, which need not have radii.
@@ -61,8 +49,8 @@ pub fn frames<T>(
     };
     options.check()?;
     let choice = Choice::new(options.frame, options.survey);
-    let (reader, name) = (Box::new(series), &*path.display().to_string());
-    body(Frames { reader, choice, name, options, ended: false })
+    let name = path.display().to_string();
+    body(Frames { stream: Stream::new(Box::new(series), choice, &name), options })
 }
 
 fn opened<T>(
@@ -72,8 +60,7 @@ fn opened<T>(
 ) -> anyhow::Result<T> {
     let name = path.display().to_string();
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
-    let reader = BufReader::with_capacity(1 << 18, file);
-    frames_from(reader, &name, &ending(path), options, body)
+    frames_from(file, &name, &ending(path), options, body)
 }
 
 fn ending(path: &Path) -> String {
@@ -87,8 +74,10 @@ fn ending(path: &Path) -> String {
     }
 }
 
+/// Reads the particles of a stream. `name` is used in messages; `ending` is the file name's ending
+/// in lower case.
 pub fn load_from(
-    reader: impl BufRead,
+    reader: impl Read,
     name: &str,
     ending: &str,
     options: Options,
@@ -97,7 +86,7 @@ pub fn load_from(
 }
 
 pub fn frames_from<T>(
-    reader: impl BufRead,
+    reader: impl Read,
     name: &str,
     ending: &str,
     options: Options,
@@ -112,14 +101,14 @@ pub fn frames_from<T>(
         let reader = formats::find(head, name, ending, options)?.open(source, options);
         let mut choice = Choice::new(options.frame, options.survey);
         choice.gzip = gzip;
-        body(Frames { reader, choice, name, options, ended: false })
+        body(Frames { stream: Stream::new(reader, choice, name), options })
     })
 }
 
 /// Calls `body` with the unpacked bytes of a stream, its first bytes (which give the format), and
 /// whether it was compressed.
 pub(crate) fn unpacked<T>(
-    reader: impl BufRead,
+    reader: impl Read,
     name: &str,
     body: impl FnOnce(&mut dyn BufRead, &Unpacking, &[u8], bool) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
@@ -130,7 +119,7 @@ pub(crate) fn unpacked<T>(
         anyhow::Ok(head)
     };
     let unpacking = &Unpacking::default();
-    let mut reader = unpacking.file(reader);
+    let mut reader = BufReader::with_capacity(1 << 18, unpacking.file(reader));
     let packed = head(&mut reader)?;
     let mut reader = Cursor::new(&packed[..]).chain(reader);
     if !packed.starts_with(gzip::MAGIC) {
@@ -147,11 +136,8 @@ pub(crate) fn unpacked<T>(
 /// Each frame has its number and, if the format has one, its time step ([`About`]). The number of
 /// particles, ids and boxes may differ between frames.
 pub struct Frames<'a> {
-    reader: Box<dyn Reader<Loaded> + 'a>,
-    choice: Choice,
-    name: &'a str,
+    stream: Stream<'a, Loaded>,
     options: Options,
-    ended: bool,
 }
 
 impl Frames<'_> {
@@ -162,17 +148,17 @@ impl Frames<'_> {
 
     /// Returns the chosen frame as it was read, and its number.
     fn one(&mut self) -> anyhow::Result<(Loaded, u64)> {
-        let Frames { reader, choice, name, .. } = self;
-        let (read, frame) = frames::chosen(&mut **reader, choice, name)?;
-        let read = read.with_context(|| format!("{name} holds no frame of particles"));
-        let (mut particles, about) = read?;
-        particles.notices.extend(choice.torn.take());
+        let (read, frame) = self.stream.one()?;
+        let none = || format!("{} holds no frame of particles", self.stream.name);
+        let (mut particles, about) = read.with_context(none)?;
+        particles.notices.extend(self.stream.choice.torn.take());
         Ok(((particles, about), frame))
     }
 
     fn finished(&self, (particles, about): Loaded, frame: u64) -> anyhow::Result<Loaded> {
-        let (gzip, frames) = (self.choice.gzip, self.choice.seen.max(1));
-        let name = about.file.clone().unwrap_or_else(|| self.name.to_string());
+        let Stream { choice, name, .. } = &self.stream;
+        let (gzip, frames) = (choice.gzip, choice.seen.max(1));
+        let name = about.file.clone().unwrap_or_else(|| name.to_string());
         finished(particles, About { gzip, frames, frame, ..about }, &name, self.options)
     }
 }
@@ -181,14 +167,10 @@ impl Iterator for Frames<'_> {
     type Item = anyhow::Result<Loaded>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.ended {
-            return None;
-        }
-        let next = self.reader.next(&mut self.choice).transpose()?;
-        let next = next.map_err(|error| self.choice.with_whole(error));
-        let frame = self.choice.seen.saturating_sub(1);
+        let next = self.stream.next()?;
+        let frame = self.stream.choice.seen.saturating_sub(1);
         let next = next.and_then(|read| self.finished(read, frame));
-        self.ended = next.is_err();
+        self.stream.ended = next.is_err();
         Some(next)
     }
 }

@@ -6,13 +6,13 @@
 //! if all frames are read.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::Read;
 use std::path::Path;
 
 use anyhow::{Context, ensure};
 
 use crate::formats::{npy, unread};
-use crate::frames::{Choice, Once, Reader, Step, chosen};
+use crate::frames::{Choice, Once, Reader, Step, Stream};
 use crate::load::{series, unpacked};
 use crate::raw::lines::{Lines, Source};
 use crate::raw::room::room;
@@ -27,13 +27,8 @@ mod list;
 pub use columns::Other;
 pub use list::{List, columns_of};
 
-/// The contact lists of a file. Only one list is in memory at a time.
-pub struct Lists<'a> {
-    reader: Box<dyn Reader<List> + 'a>,
-    choice: Choice,
-    name: &'a str,
-    ended: bool,
-}
+/// The contact lists of a file.
+pub type Lists<'a> = Stream<'a, List>;
 
 impl Lists<'_> {
     /// Whether rows contain their frame; then a frame without rows has no pairs.
@@ -43,23 +38,10 @@ impl Lists<'_> {
 
     /// Returns the list of the chosen frame.
     pub fn chosen(mut self) -> anyhow::Result<List> {
-        let (kept, frame) = chosen(&mut *self.reader, &mut self.choice, self.name)?;
+        let (kept, frame) = self.one()?;
         let frame = Some(frame).filter(|_| self.choice.seen > 0);
         let none = || List { format: "CSV", frame, sparse: true, ..List::default() };
         Ok(kept.unwrap_or_else(none))
-    }
-}
-
-impl Iterator for Lists<'_> {
-    type Item = anyhow::Result<List>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.ended {
-            return None;
-        }
-        let next = self.reader.next(&mut self.choice).transpose()?;
-        self.ended = next.is_err();
-        Some(next)
     }
 }
 
@@ -84,14 +66,14 @@ pub fn lists<T>(
     };
     if let Some(series) = series::of(path, read)? {
         let choice = Choice::new(frame, false);
-        return body(Lists { reader: Box::new(series), choice, name: &name, ended: false });
+        return body(Lists::new(Box::new(series), choice, &name));
     }
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
-    lists_from(BufReader::with_capacity(1 << 17, file), &name, columns, frame, body)
+    lists_from(file, &name, columns, frame, body)
 }
 
 pub fn lists_from<T>(
-    reader: impl BufRead,
+    reader: impl Read,
     name: &str,
     columns: &[&str],
     frame: Frame,
@@ -101,7 +83,7 @@ pub fn lists_from<T>(
     ensure!(fits, "--pairs-columns takes I,J for the particles, or I,J,SX,SY[,SZ] with the image");
     unpacked(reader, name, |input, unpacking, head, _| {
         let reader = open(Source { input, name, unpacking }, head, columns)?;
-        body(Lists { reader, choice: Choice::new(frame, false), name, ended: false })
+        body(Lists::new(reader, Choice::new(frame, false), name))
     })
 }
 

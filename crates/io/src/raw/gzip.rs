@@ -69,27 +69,10 @@ pub struct Counted<'a, R> {
     unpacking: &'a Unpacking,
 }
 
-impl<R> Counted<'_, R> {
-    fn count(&self, bytes: usize) {
-        self.unpacking.taken.set(self.unpacking.taken.get() + bytes as u64);
-    }
-}
-
 impl<R: Read> Read for Counted<'_, R> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let read = self.inner.read(bytes)?;
-        self.count(read);
+        self.unpacking.taken.set(self.unpacking.taken.get() + read as u64);
         Ok(read)
-    }
-}
-
-impl<R: BufRead> BufRead for Counted<'_, R> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        self.inner.fill_buf()
-    }
-
-    fn consume(&mut self, amount: usize) {
-        self.count(amount);
-        self.inner.consume(amount);
     }
 }

@@ -38,8 +38,6 @@ pub struct Lines<'a> {
     pub source: Source<'a>,
     line: Vec<u8>,
     number: u64,
-    at: usize,
-    word: usize,
     ended: bool,
 }
 
@@ -52,12 +50,11 @@ impl std::fmt::Display for Lines<'_> {
 
 impl<'a> Lines<'a> {
     pub fn new(source: Source<'a>) -> Lines<'a> {
-        Lines { source, line: Vec::new(), number: 0, at: 0, word: 0, ended: false }
+        Lines { source, line: Vec::new(), number: 0, ended: false }
     }
 
     pub fn advance(&mut self) -> anyhow::Result<bool> {
         self.line.clear();
-        (self.at, self.word) = (0, 0);
         self.number += 1;
         let read = Read::take(&mut self.source.input, LONGEST_LINE as u64 + 1)
             .read_until(b'\n', &mut self.line);
@@ -122,54 +119,6 @@ impl<'a> Lines<'a> {
 
     pub fn place(&self) -> String {
         self.to_string()
-    }
-
-    /// `file:line:column` of the last word; columns are bytes, counted from 1.
-    pub fn place_of_word(&self) -> String {
-        format!("{}:{}:{}", self.source.name, self.number, self.word + 1)
-    }
-
-    /// Returns the next word between blanks, on this line or a later one, or `None` at the end.
-    pub fn word(&mut self) -> anyhow::Result<Option<&[u8]>> {
-        loop {
-            let rest = self.line.get(self.at..).unwrap_or_default();
-            if let Some(start) = rest.iter().position(|b| !b.is_ascii_whitespace()) {
-                let length = rest[start..]
-                    .iter()
-                    .position(u8::is_ascii_whitespace)
-                    .unwrap_or(rest.len() - start);
-                self.word = self.at + start;
-                self.at = self.word + length;
-                return Ok(Some(&self.line[self.word..self.at]));
-            }
-            if !self.advance()? {
-                return Ok(None);
-            }
-        }
-    }
-
-    pub fn end_line(&mut self) {
-        self.at = self.line.len();
-    }
-
-    pub fn rest(&self) -> &[u8] {
-        self.line.get(self.at..).unwrap_or_default().trim_ascii()
-    }
-
-    pub fn number(&mut self, what: &str) -> anyhow::Result<f64> {
-        let value = match self.word()? {
-            Some(word) => number(word).ok_or_else(|| shown(word)),
-            None => bail!(
-                "{} ends before all numbers of {what} that it announces; write it again",
-                self.source.name
-            ),
-        };
-        value.map_err(|word| {
-            anyhow::anyhow!(
-                "{}: {what}: '{word}' is not a number; mend the file",
-                self.place_of_word()
-            )
-        })
     }
 
     pub fn count(&self, text: &[u8], what: &str) -> anyhow::Result<u64> {
@@ -257,14 +206,6 @@ impl Separator {
 
     pub fn cells(self, line: &[u8]) -> Cells<'_> {
         Cells { rest: Some(line), separator: self }
-    }
-
-    pub fn name(self) -> String {
-        match self {
-            Separator::One(b'\t') => "tabs".into(),
-            Separator::One(c) => format!("'{}'", char::from(c)),
-            Separator::Blanks => "blanks".into(),
-        }
     }
 }
 

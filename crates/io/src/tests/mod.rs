@@ -18,7 +18,9 @@ const NONE: Options = Options::NONE;
 const HALF: Options = Options { radius: Some(0.5), ..NONE };
 
 fn read(bytes: &[u8], ending: &str, options: Options) -> Result<AnyScene<'static>, String> {
-    from(bytes, "p", ending, options).map_err(|error| format!("{error:#}"))
+    let read = load_from(bytes, "p", ending, options);
+    let scene = read.and_then(|(particles, _)| particles.scene("p", options.radius));
+    scene.map_err(|error| format!("{error:#}"))
 }
 
 fn data(name: &str) -> Vec<u8> {

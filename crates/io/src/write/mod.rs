@@ -43,29 +43,27 @@ pub enum SceneFormat {
     Npy,
 }
 
-fn by_ending<T: Copy, const N: usize>(
-    path: &Path,
-    what: &str,
-    all: [(&str, T); N],
-) -> anyhow::Result<T> {
-    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let known = all.iter().find(|(name, _)| ending == *name);
-    match known {
-        Some((_, format)) => Ok(*format),
-        None => bail!("{}: the ending of a file of {what}", path.display()),
-    }
+fn ending(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 
 /// Returns the format for the ending of a pair file. Callers check it before the work starts.
 pub fn format(path: &Path) -> anyhow::Result<PairFormat> {
-    let all = [("csv", PairFormat::Csv), ("npy", PairFormat::Npy), ("vtk", PairFormat::Vtk)];
-    by_ending(path, "pairs must be .csv, .npy or .vtk", all)
+    Ok(match ending(path).as_str() {
+        "csv" => PairFormat::Csv,
+        "npy" => PairFormat::Npy,
+        "vtk" => PairFormat::Vtk,
+        _ => bail!("{}: the ending of a file of pairs must be .csv, .npy or .vtk", path.display()),
+    })
 }
 
 pub fn scene_format(path: &Path) -> anyhow::Result<SceneFormat> {
-    use SceneFormat::{Csv, Npy, Xyz};
-    let all = [("csv", Csv), ("xyz", Xyz), ("extxyz", Xyz), ("npy", Npy)];
-    by_ending(path, "a scene must be .csv, .xyz or .npy", all)
+    Ok(match ending(path).as_str() {
+        "csv" => SceneFormat::Csv,
+        "xyz" | "extxyz" => SceneFormat::Xyz,
+        "npy" => SceneFormat::Npy,
+        _ => bail!("{}: the ending of a scene must be .csv, .xyz or .npy", path.display()),
+    })
 }
 
 pub(crate) fn create(

@@ -164,10 +164,7 @@ fn row(
     let whole = lines.line();
     let bare = uncommented(whole);
     let shorn = separator.shorn(bare);
-    let mut push = |line: &[u8]| {
-        let between = || format!(", separated by {}; mend or remove the line", separator.name());
-        columns.push(particles, separator.cells(line), || lines.place(), between)
-    };
+    let mut push = |line: &[u8]| columns.push(particles, separator.cells(line), || lines.place());
     let [usual, other] = if *trailing { [shorn, bare] } else { [bare, shorn] };
     let Err(error) = push(usual) else { return Ok(()) };
     if other.len() != usual.len() && push(other).is_ok() {

@@ -76,16 +76,11 @@ fn width(kind: &str) -> Option<(Option<(Kind, bool)>, usize)> {
 
 pub fn records(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::Result<Rows> {
     let (name, fields) = (source.name, &header.fields);
-    let remedy = || {
-        let all = fields.iter().take(4).map(|field| format!("a['{}']", short(&field.name)));
-        let all = all.collect::<Vec<_>>().join(", ");
-        format!(
-            "{name} is an array with fields; save numpy.column_stack([{all}]), with x, y, z and \
-             the radius in this order, or name the fields x, y, z and radius"
-        )
-    };
     let &[rows] = &header.sizes[..] else {
-        bail!("the shape is {}; {}", super::shape(&header.sizes), remedy())
+        bail!(
+            "{name} is an array with fields of the shape {}; (N,) is read",
+            super::shape(&header.sizes)
+        )
     };
     ensure!(rows <= u64::from(u32::MAX), "{name}: {rows} particles; split the file");
     let mut columns = Columns::named(fields.iter().map(|field| field.name.as_str()));
@@ -96,10 +91,9 @@ pub fn records(source: &mut Source<'_>, header: &Header, options: Options) -> an
         }
     }
     let mut columns = columns.chosen(name, options.columns)?;
-    let particles = columns.particles(name, options).with_context(remedy)?;
+    let particles = columns.particles(name, options)?;
     let mut all = Rows { columns, particles };
     let fields: Vec<_> = fields.iter().map(|field| (field.number, field.width)).collect();
-    let read = all.push_records(source, rows, &fields)?;
-    ensure!(read == rows, "{name} ends before the {rows} records that its header announces");
+    all.push_records(source, rows, &fields)?;
     Ok(all)
 }

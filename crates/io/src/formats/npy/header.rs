@@ -65,10 +65,7 @@ impl Header {
             [_] | [_, _] => Ok(()),
             // Empty frames need no bytes, so a false header could announce any number of them.
             [count, rows, 2..=4] if frames && count.min(rows) > 0 => Ok(()),
-            _ => bail!(
-                "the shape is {shape}; it must be that of rows: (N, 2), (N, 3) or (N, 4) for \
-                 particles (x, y, z, and the radius last), (N, 2) for pairs"
-            ),
+            _ => bail!("the shape is {shape}; it must be that of rows: (N, 2), (N, 3) or (N, 4)"),
         }
     }
 
@@ -279,7 +276,7 @@ fn parse(text: &str) -> anyhow::Result<Header> {
     let (kind, big) = match kind_of(inner) {
         _ if !fields.is_empty() => (Kind::U8, false),
         Some(kind) => kind,
-        None => bail!("the type {descr} is not read; {}", remedy(inner)),
+        None => bail!("the type {descr} is not read; convert with .astype('f8')"),
     };
     let order = value("fortran_order")?;
     let fortran = order.starts_with("True");
@@ -317,17 +314,5 @@ pub(super) fn kind_of(descr: &str) -> Option<(Kind, bool)> {
         b'<' | b'|' => Some((kind, false)),
         b'>' => Some((kind, true)),
         _ => None,
-    }
-}
-
-fn remedy(descr: &str) -> &'static str {
-    match descr.trim_start_matches(['<', '>', '|', '=']).as_bytes().first() {
-        Some(b'O') => {
-            "it holds Python objects: save numpy.array(a.tolist(), dtype='f8'), or one array for \
-             each if their lengths differ"
-        }
-        Some(b'c') => "it holds complex numbers: save a.real",
-        Some(b'M' | b'm') => "it holds dates or times",
-        _ => "convert with .astype('f8')",
     }
 }

@@ -11,7 +11,7 @@ use anyhow::{Context, bail, ensure};
 
 use crate::options::Options;
 use crate::particles::Loaded;
-use crate::raw::lines::{Lines, Source, among, short, shown, texts};
+use crate::raw::lines::{Lines, Source, among, number, short, shown, texts, words};
 use crate::raw::scalars::Kind;
 use arrays::{Arrays, Cells, Of, Target};
 
@@ -181,15 +181,18 @@ impl Vtk<'_> {
             ensure!(whole, "{name} ends before the {count} numbers of {what} that it announces");
             return self.arrays.keep(target, name);
         }
-        self.lines.end_line();
-        for _ in 0..count {
-            let value = self.lines.number(&what)?;
-            if let Err(error) = target.push(value) {
-                return Err(error.context(format!("{}: {what}", self.lines.place_of_word())));
+        let mut left = count;
+        while left > 0 {
+            let lines = &mut self.lines;
+            ensure!(lines.advance()?, "{name} ends before the {count} numbers of {what}");
+            for word in words(lines.line()) {
+                let shown = || format!("{lines}: {what}: '{}'", shown(word));
+                let value = number(word).with_context(|| format!("{} is not a number", shown()))?;
+                ensure!(left > 0, "{} stands behind the {count} numbers", shown());
+                target.push(value).with_context(shown)?;
+                left -= 1;
             }
         }
-        let (place, rest) = (self.lines.place(), shown(self.lines.rest()));
-        ensure!(rest.is_empty(), "{place}: '{rest}' stands behind the {count} numbers of {what}");
         self.arrays.keep(target, name)
     }
 
