@@ -126,8 +126,8 @@ mod tests {
             let error = format!("{:#}", read_contacts(&path, None).map(drop).unwrap_err());
             assert!(error.contains(words), "{error}");
         };
-        refused(&whole[..whole.len() - 1], "ends before the 2 x 2 numbers");
-        refused(&[&whole[..], &[0; 8]].concat(), "goes on after the 2 x 2 numbers");
+        refused(&whole[..whole.len() - 1], "ends before the (2, 2) numbers");
+        refused(&[&whole[..], &[0; 8]].concat(), "goes on after the (2, 2) numbers");
         refused(b"i,j\n0,1\n", "not a NumPy file");
         for (kind, words) in [("<u8", "type '<u8'"), (">u4", "pairs are '<u4'")] {
             let text = String::from_utf8_lossy(&whole[10..128]).replace("<u4", kind);

@@ -4,6 +4,7 @@ use anyhow::{anyhow, bail, ensure};
 
 use crate::particles::{Loaded, Particles};
 use crate::types::{Frame, Notice, assumed};
+use contactbench_terms::number::plural;
 
 #[derive(Clone, Copy, PartialEq)]
 pub enum Step {
@@ -102,12 +103,9 @@ impl Choice {
         if let Frame::Number(k) = self.frame
             && (self.seen > 0 || self.sparse)
         {
-            ensure!(
-                k < self.seen || self.sparse && !self.by_step,
-                "{name} holds {} frame{}, numbered from 0; there is no frame {k}",
-                self.seen,
-                if self.seen == 1 { "" } else { "s" }
-            );
+            let (sparse, all) = (self.sparse && !self.by_step, plural(self.seen as usize, "frame"));
+            let held = k < self.seen || sparse;
+            ensure!(held, "{name} holds {all}, numbered from 0; there is no frame {k}");
             return Ok(k);
         }
         Ok(self.seen.saturating_sub(1))

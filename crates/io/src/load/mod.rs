@@ -60,18 +60,13 @@ fn opened<T>(
 ) -> anyhow::Result<T> {
     let name = path.display().to_string();
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
-    frames_from(file, &name, &ending(path), options, body)
+    let packed = path.file_stem().filter(|_| ending(path) == "gz").map(Path::new);
+    frames_from(file, &name, &ending(packed.unwrap_or(path)), options, body)
 }
 
-fn ending(path: &Path) -> String {
-    let ending = |path: &Path| {
-        let ending = path.extension().unwrap_or_default();
-        ending.to_string_lossy().to_ascii_lowercase()
-    };
-    match (ending(path), path.file_stem()) {
-        (last, Some(stem)) if last == "gz" => ending(Path::new(stem)),
-        (last, _) => last,
-    }
+/// Returns the ending of a file name, in lower case.
+pub(crate) fn ending(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 
 /// Reads the particles of a stream. `name` is used in messages; `ending` is the file name's ending

@@ -10,11 +10,11 @@ use crate::raw::lines::short;
 use crate::types::{Notice, assumed};
 
 /// The files that match a pattern; each is one frame.
-pub struct Series<'a, T> {
+pub struct Series<F> {
     files: Vec<PathBuf>,
     next: usize,
     /// Reads a file, given its index and a notice about the order of the files.
-    read: Box<dyn FnMut(&Path, u64, &Option<Notice>) -> anyhow::Result<T> + 'a>,
+    read: F,
     notice: Option<Notice>,
 }
 
@@ -24,10 +24,10 @@ pub fn exists(path: &Path) -> bool {
 }
 
 /// Returns the files that match a pattern; `None` if `path` is one file.
-pub fn of<'a, T>(
-    path: &Path,
-    read: impl FnMut(&Path, u64, &Option<Notice>) -> anyhow::Result<T> + 'a,
-) -> anyhow::Result<Option<Series<'a, T>>> {
+pub fn of<T, F>(path: &Path, read: F) -> anyhow::Result<Option<Series<F>>>
+where
+    F: FnMut(&Path, u64, &Option<Notice>) -> anyhow::Result<T>,
+{
     let Some(files) = pattern(path) else { return Ok(None) };
     ensure!(!files.is_empty(), "no file matches the pattern {}", path.display());
     let name = |path: &PathBuf| short(&path.file_name().unwrap_or_default().to_string_lossy());
@@ -40,7 +40,7 @@ pub fn of<'a, T>(
         )),
         _ => None,
     };
-    Ok(Some(Series { files, next: 0, read: Box::new(read), notice }))
+    Ok(Some(Series { files, next: 0, read, notice }))
 }
 
 /// Returns the files that match a name with `*` or `?`, in natural order; `None` without these
@@ -97,7 +97,10 @@ fn natural(a: &str, b: &str) -> Ordering {
     key(a).cmp(&key(b)).then_with(|| a.cmp(b))
 }
 
-impl<T> Reader<T> for Series<'_, T> {
+impl<T, F> Reader<T> for Series<F>
+where
+    F: FnMut(&Path, u64, &Option<Notice>) -> anyhow::Result<T>,
+{
     fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<T>> {
         // Files before the wanted one are not opened.
         self.next = self.next.max(choice.first_of(self.files.len()));

@@ -30,10 +30,9 @@ pub struct Other {
     pub whole: bool,
 }
 
-impl Other {
-    pub(super) fn unnamed(k: usize) -> Other {
-        Other { name: (k + 1).to_string(), named: false, whole: false }
-    }
+/// Returns column `k`, which has no name.
+pub(super) fn unnamed(k: usize) -> (usize, Other) {
+    (k, Other { name: (k + 1).to_string(), named: false, whole: false })
 }
 
 #[derive(Clone, Default)]
@@ -148,10 +147,6 @@ impl Columns {
         }
         list.others = self.others.into_iter().map(|(_, other)| other).collect();
     }
-}
-
-fn unnamed(k: usize) -> (usize, Other) {
-    (k, Other::unnamed(k))
 }
 
 pub(super) fn is_image(name: &str) -> bool {

@@ -2,7 +2,7 @@
 
 use anyhow::ensure;
 
-use super::Other;
+use super::columns::{Other, unnamed};
 use crate::types::Notice;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,7 +55,7 @@ impl List {
     pub fn without_box(&mut self) {
         if std::mem::take(&mut self.guessed) {
             self.images = None;
-            self.others.splice(..0, (2..if self.flat { 4 } else { 5 }).map(Other::unnamed));
+            self.others.splice(..0, (2..if self.flat { 4 } else { 5 }).map(|k| unnamed(k).1));
         }
     }
 }

@@ -17,6 +17,7 @@ use std::path::Path;
 use anyhow::{Context, bail, ensure};
 
 use crate::formats::npy;
+use crate::load::ending;
 use crate::particles::Given;
 use contactbench_ground::periodic::ImagePair;
 use contactbench_ground::scene::{Real, Scene, array};
@@ -41,10 +42,6 @@ pub enum SceneFormat {
     Csv,
     Xyz,
     Npy,
-}
-
-fn ending(path: &Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 
 /// Returns the format for the ending of a pair file. Callers check it before the work starts.

@@ -24,7 +24,7 @@ pub fn shape(sizes: &[u64]) -> String {
 impl Source<'_> {
     pub(crate) fn end(&mut self, header: &Header) -> anyhow::Result<()> {
         let more = self.fill(&mut [0])?;
-        let (name, shape) = (self.name, header.shape_in_words());
+        let (name, shape) = (self.name, shape(&header.sizes));
         ensure!(!more, "{name} goes on after the {shape} numbers that its header announces");
         Ok(())
     }
@@ -71,11 +71,6 @@ impl Header {
 
     pub fn is_real(&self) -> bool {
         matches!(self.kind, Kind::F64 | Kind::F32)
-    }
-
-    fn shape_in_words(&self) -> String {
-        self.columns
-            .map_or(format!("{}", self.rows), |columns| format!("{} x {columns}", self.rows))
     }
 
     /// Whether the numbers are stored in an order other than that of their rows.
@@ -173,7 +168,7 @@ impl Header {
             let rows = (count - first).min(most);
             let bytes = &mut piece[..rows as usize * row];
             if !source.fill(bytes)? {
-                let (name, shape) = (source.name, self.shape_in_words());
+                let (name, shape) = (source.name, shape(&self.sizes));
                 bail!("{name} ends before the {shape} numbers that its header announces");
             }
             numbers.clear();

@@ -47,7 +47,10 @@ impl Cell {
         let values = npy::list(source, header, label, Column::Axis(0))?;
         let shape = header.sizes.clone();
         if is_flags {
-            let all: Option<Vec<bool>> = values.iter().map(|&value| flag(value)).collect();
+            let all: Option<Vec<bool>> = values
+                .iter()
+                .map(|&value| (value == 0.0 || value == 1.0).then_some(value == 1.0))
+                .collect();
             self.periodic = Some(match (&shape[..], all.as_deref()) {
                 ([] | [1], Some(&[all])) => [all; 3],
                 ([2], Some(&[x, y])) => [x, y, false],
@@ -108,13 +111,5 @@ impl Cell {
             numbers.join(" ")
         )));
         Ok(Some(Declared { vectors: Some(vectors), periodic, ..Declared::default() }))
-    }
-}
-
-fn flag(value: f64) -> Option<bool> {
-    match value {
-        0.0 => Some(false),
-        1.0 => Some(true),
-        _ => None,
     }
 }
