@@ -9,7 +9,7 @@
 //!
 //! Specification: <https://github.com/libAtoms/extxyz>.
 
-use anyhow::bail;
+use anyhow::{bail, ensure};
 
 use crate::raw::lines::short;
 
@@ -38,24 +38,26 @@ impl Comment {
     /// Parses the line. A line that does not consist of pairs is a plain comment, unless it
     /// contains a key of [`DECIDE`].
     pub fn read(line: &str) -> anyhow::Result<Comment> {
-        match pairs(line) {
-            Ok(pairs) => {
-                let comment = Comment(pairs).once()?;
-                let is_lost = |key: &str| mentions(line, key) && comment.get(key).is_none();
-                let lost = DECIDE.iter().find(|(key, _)| is_lost(key));
-                if let Some((key, _)) = lost {
-                    bail!("{key} stands within the value of another key: mend the quotes");
-                }
-                Ok(comment)
+        let keys = || DECIDE.iter().map(|(key, _)| *key).filter(|key| mentions(line, key));
+        let comment = match (pairs(line), keys().next()) {
+            (Ok(pairs), _) => Comment(pairs),
+            (Err((at, why)), Some(key)) => {
+                bail!("column {}: {why}, so {key} is not read", at + 1)
             }
-            Err((at, why)) => {
-                let key = DECIDE.iter().find(|(key, _)| mentions(line, key));
-                match key {
-                    Some((key, _)) => bail!("column {}: {why}, so {key} is not read", at + 1),
-                    None => Ok(Comment::default()),
-                }
+            (Err(_), None) => return Ok(Comment::default()),
+        };
+        for key in keys() {
+            let mut same = comment.0.iter().filter(|pair| pair.key.eq_ignore_ascii_case(key));
+            let (first, second) = (same.next(), same.next());
+            ensure!(
+                first.is_some(),
+                "{key} stands within the value of another key: mend the quotes"
+            );
+            if let Some(second) = second {
+                bail!("column {}: {key} stands there twice; remove one", second.column);
             }
         }
+        Ok(comment)
     }
 
     pub fn get(&self, key: &str) -> Option<&Pair> {
@@ -81,16 +83,6 @@ impl Comment {
             );
         }
         Ok(())
-    }
-
-    fn once(self) -> anyhow::Result<Comment> {
-        for (key, _) in DECIDE {
-            let mut same = self.0.iter().filter(|pair| pair.key.eq_ignore_ascii_case(key));
-            if let (Some(_), Some(second)) = (same.next(), same.next()) {
-                bail!("column {}: {key} stands there twice; remove one", second.column);
-            }
-        }
-        Ok(self)
     }
 }
 
