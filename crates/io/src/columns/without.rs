@@ -15,65 +15,37 @@ use crate::types::Frame;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Without {
     column: Word,
-    /// Values with an index of their own; all others have the index [`MOST`].
-    values: [Option<Word>; MOST],
-    /// Bit b of `with[a]`: whether contacts between values a and b are left out.
-    with: [u16; MOST + 1],
+    rules: &'static [[Option<Word>; 2]],
 }
 
-const MOST: usize = 8;
+const MOST: usize = 100;
 
 impl FromStr for Without {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Without, String> {
         const FORM: &str = "write a column and one or two values, as in type=2 or type=1:2";
-        let mut without: Option<Without> = None;
+        let (mut columns, mut rules) = (Vec::new(), Vec::new());
         for piece in text.split(',') {
-            let Some((column, values)) = piece.split_once('=') else {
-                return Err(format!("'{piece}' is not of the form type=2; {FORM}"));
-            };
-            let column = word(column)?;
-            let none = Without { column, values: [None; MOST], with: [0; MOST + 1] };
-            let without = without.get_or_insert(none);
-            if without.column != column {
-                return Err(format!("'{text}' names several columns; name one"));
-            }
-            match values.split(':').collect::<Vec<_>>()[..] {
-                [value] => {
-                    let a = without.named(value)?;
-                    (0..=MOST).for_each(|b| without.leave_out(a, b));
-                }
-                [a, b] => {
-                    let (a, b) = (without.named(a)?, without.named(b)?);
-                    without.leave_out(a, b);
-                }
+            let (column, values) = piece.split_once('=').ok_or(FORM)?;
+            let values: Vec<Word> = values.split(':').map(word).collect::<Result<_, _>>()?;
+            columns.push(word(column)?);
+            match values[..] {
+                [value] => rules.push([Some(value), None]),
+                [a, b] => rules.push([Some(a), Some(b)]),
                 _ => return Err(format!("'{piece}' has more than two values; {FORM}")),
             }
         }
-        without.ok_or_else(|| FORM.to_string())
+        match columns.iter().all(|column| *column == columns[0]) && rules.len() <= MOST {
+            true => Ok(Without { column: columns[0], rules: rules.leak() }),
+            false => {
+                Err(format!("'{text}' names several columns, or many values; name one column"))
+            }
+        }
     }
 }
 
 impl Without {
-    fn named(&mut self, value: &str) -> Result<usize, String> {
-        let value = word(value)?;
-        let number_of = |word: &Word| number(word.as_bytes());
-        let same = |known: &Word| {
-            *known == value || number_of(&value).is_some_and(|x| number_of(known) == Some(x))
-        };
-        let known = |known: &Option<Word>| known.as_ref().is_none_or(same);
-        let place = self.values.iter().position(known);
-        let place = place.ok_or_else(|| format!("more than {MOST} values are named"))?;
-        self.values[place].get_or_insert(value);
-        Ok(place)
-    }
-
-    fn leave_out(&mut self, a: usize, b: usize) {
-        self.with[a] |= 1 << b;
-        self.with[b] |= 1 << a;
-    }
-
     pub fn groups(self, columns: &Columns, place: &str) -> anyhow::Result<Groups> {
         let name = self.column;
         let column = columns.names.iter().position(|known| known.trim() == name);
@@ -83,47 +55,64 @@ impl Without {
                 listed(&columns.names)
             )
         })?;
-        let value = |word: &Word| (word.to_string(), number(word.as_bytes()));
-        let values = self.values.iter().flatten().map(value).collect();
-        Ok(Groups { without: self, column, values, of: Vec::new() })
+        let mut groups = Groups { column, ..Groups::default() };
+        for rule in self.rules {
+            let [a, b] = rule.map(|value| value.map(|value| groups.index(value)));
+            groups.rules.extend(a.map(|a| (a, b)));
+        }
+        Ok(Groups { name, ..groups })
     }
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Groups {
-    without: Without,
+    name: Word,
     pub column: usize,
     /// Named values: the text, and the number if the text is one.
-    values: Vec<(String, Option<f64>)>,
+    values: Vec<(Word, Option<f64>)>,
+    /// Values whose contacts are left out: with all particles, or with those of a second value.
+    rules: Vec<(u8, Option<u8>)>,
+    /// Index of the value of each particle; the number of values if it is not named.
     of: Vec<u8>,
 }
 
 impl Groups {
-    pub fn push(&mut self, cell: &[u8]) -> anyhow::Result<()> {
+    fn find(&self, cell: &[u8]) -> usize {
         let as_number = number(cell);
-        let same = |(text, number): &(String, Option<f64>)| {
+        let same = |(text, number): &(Word, Option<f64>)| {
             cell == text.as_bytes() || as_number.is_some() && *number == as_number
         };
-        let named = self.values.iter().position(same);
+        self.values.iter().position(same).unwrap_or(self.values.len())
+    }
+
+    /// Returns the index of a named value, which is added if it is new.
+    fn index(&mut self, value: Word) -> u8 {
+        let index = self.find(value.as_bytes());
+        if index == self.values.len() {
+            self.values.push((value, number(value.as_bytes())));
+        }
+        index as u8
+    }
+
+    pub fn push(&mut self, cell: &[u8]) -> anyhow::Result<()> {
         room(&mut self.of)?;
-        self.of.push(named.unwrap_or(MOST) as u8);
+        self.of.push(self.find(cell) as u8);
         Ok(())
     }
 
     pub fn leave_out(&self, i: u32, j: u32) -> bool {
-        let [a, b] = [i, j].map(|k| usize::from(self.of[k as usize]));
-        self.without.with[a] >> b & 1 == 1
+        let [a, b] = [i, j].map(|k| self.of[k as usize]);
+        let is = |(x, y): (u8, Option<u8>), a, b| a == x && y.is_none_or(|y| b == y);
+        self.rules.iter().any(|&rule| is(rule, a, b) || is(rule, b, a))
     }
 
     /// Refuses values that no particle has, unless another frame may have them, and columns that
     /// not all particles have.
     pub fn check(&self, particles: usize, frame: Frame, name: &str) -> anyhow::Result<()> {
         ensure!(self.of.len() == particles, "{name}: --without: not all particles have the column");
-        for (k, (value, _)) in self.values.iter().enumerate() {
-            if frame != Frame::All && !self.of.contains(&(k as u8)) {
-                let column = self.without.column;
-                bail!("{name}: no particle has {column} {value}; look at --without");
-            }
+        let missing = |k: &usize| frame != Frame::All && !self.of.contains(&(*k as u8));
+        if let Some(k) = (0..self.values.len()).find(missing) {
+            bail!("{name}: no particle has {} {}; look at --without", self.name, self.values[k].0);
         }
         Ok(())
     }
