@@ -2,7 +2,7 @@
 
 use anyhow::{Context, anyhow, ensure};
 
-use crate::columns::{Column, Columns, units};
+use crate::columns::{Column, Columns, is_doubtful, units};
 use crate::options::Options;
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
 use crate::raw::lines::{
@@ -26,7 +26,10 @@ impl Columns {
     /// Resolves the meaning of all columns, and returns an empty set of particles. A radius from
     /// the options replaces columns of sizes.
     pub fn particles(&mut self, place: &str, options: Options) -> anyhow::Result<Particles> {
-        self.leave_out_doubtful_sizes();
+        if !self.sizes_chosen {
+            let names = self.names.clone();
+            self.leave_out_sizes(|name| is_doubtful(name, &names));
+        }
         let mut notices = Vec::new();
         if let Some(given) = options.radius {
             let sizes = self.meaning.iter().zip(&self.names).filter(|(it, _)| it.is_size());

@@ -146,26 +146,15 @@ impl Columns {
         }
     }
 
-    pub fn leave_out_doubtful_sizes(&mut self) {
-        if !self.sizes_chosen {
-            let names = self.names.clone();
-            self.leave_out_sizes(|name| is_doubtful(name, &names));
-        }
-    }
-
     /// Refuses columns that mean the same, missing coordinates, and lengths in several units.
     pub fn check(&self, place: &str) -> anyhow::Result<()> {
         let used = |column: Column| !matches!(column, Column::Other | Column::Id);
         let same = |a: Column, b: Column| a == b || a.is_size() && b.is_size();
         for (k, (column, name)) in self.all().enumerate().filter(|(_, it)| used(it.0)) {
             if let Some((_, other)) = self.all().skip(k + 1).find(|(it, _)| same(*it, column)) {
-                bail!(
-                    "{place}: the columns '{}' and '{}' both mean {}; choose one with --columns, or \
-                     remove it",
-                    short(name),
-                    short(other),
-                    if column.is_size() { "the size" } else { column.words() }
-                );
+                let what = if column.is_size() { "the size" } else { column.words() };
+                let [a, b] = [name, other].map(|name| short(name));
+                bail!("{place}: '{a}' and '{b}' both mean {what}; choose one with --columns");
             }
         }
         for (axis, name) in ["x", "y"].into_iter().enumerate() {
@@ -182,11 +171,8 @@ impl Columns {
         let Some((_, first)) = lengths.next() else { return Ok(()) };
         let other = lengths.find(|(_, name)| units::unit_of(name) != units::unit_of(first));
         let other = other.map(|(_, name)| short(name)).unwrap_or_default();
-        ensure!(
-            other.is_empty(),
-            "{place}: '{}' and '{other}' are in different units; write both in one",
-            short(first)
-        );
+        let same = other.is_empty();
+        ensure!(same, "{place}: '{}' and '{other}' are in different units", short(first));
         Ok(())
     }
 

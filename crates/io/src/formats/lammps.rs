@@ -181,10 +181,8 @@ fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {
         _ => match of(style) {
             Some(names) => Columns::named(names.split(' ')),
             None => bail!(
-                "the atom style '{}' is not supported, only hybrid, {}; assign the columns, as in \
-                 --columns x=3,y=4,z=5",
-                short(style),
-                STYLES.map(|(name, _)| name).join(", ")
+                "the atom style '{}' is not supported; assign the columns, as in --columns x=3,y=4,z=5",
+                short(style)
             ),
         },
     };

@@ -129,8 +129,7 @@ fn detected(head: &[u8], name: &str, ending: &str) -> anyhow::Result<&'static Fo
         }
         (Some(format), _) => Ok(format),
         (None, _) => bail!(
-            "{name} is binary, in no format that is known; write its particles as npy, or as CSV \
-             with a header x,y,z,r (--format takes one of {})",
+            "{name} is binary, in no known format ({}); write npy, or CSV with a header x,y,z,r",
             keys()
         ),
     }

@@ -107,12 +107,10 @@ impl Rows for Array<'_> {
             None => npy::header(&mut self.source)?,
         };
         let Some(shape) = Shape::of(&header, choice.is_all()) else {
+            let (name, shape) = (self.source.name, npy::shape(&header.sizes));
             bail!(
-                "{}: the shape is {}; pairs have the shape (pairs, 2) or (2, pairs), with images \
-                 (pairs, 4) for discs and (pairs, 5) for spheres; with --frame all, the frame may \
-                 stand before these",
-                self.source.name,
-                npy::shape(&header.sizes)
+                "{name}: the shape is {shape}; pairs have the shape (pairs, 2) or (2, pairs), with images \
+                 (pairs, 4 or 5); with --frame all, the frame may stand before these"
             )
         };
         choice.sparse = shape.framed;

@@ -29,11 +29,9 @@ impl Reader<List> for Dump<'_> {
             let names: Vec<String> = header.names.split_whitespace().map(String::from).collect();
             let named = Columns::named(&names, self.chosen, place)?;
             let mut columns = named.with_context(|| {
+                let (place, names) = (&header.place, listed(&names));
                 format!(
-                    "{}: which columns hold the ids of a pair? Name them with --pairs-columns I,J; \
-                     there are {}",
-                    header.place,
-                    listed(&names)
+                    "{place}: which columns hold the pair? Give --pairs-columns I,J among {names}"
                 )
             })?;
             let (frame, step) = (Some(choice.seen), header.step);

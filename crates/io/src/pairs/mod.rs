@@ -159,11 +159,11 @@ impl<R: Rows> Reader<List> for Table<R> {
             if choice.sparse {
                 let what = if choice.by_step { "step" } else { "frame" };
                 let after = last.replace(label).filter(|&last| last > label);
+                let (sorted, last) = (after.is_none(), after.unwrap_or_default());
+                let place = rows.place();
                 ensure!(
-                    after.is_none(),
-                    "{}: {what} {label} stands after {what} {}; sort the rows by {what}",
-                    rows.place(),
-                    after.unwrap_or_default()
+                    sorted,
+                    "{place}: {what} {label} stands after {what} {last}; sort the rows by {what}"
                 );
                 let index = if choice.by_step { choice.seen } else { label as u64 };
                 list.frame = Some(index);

@@ -148,14 +148,11 @@ impl Split {
     ) -> anyhow::Result<bool> {
         let cell = cells.clone().nth(self.column).unwrap_or_default();
         if first {
-            let value = number(cell);
+            let (place, name, found) = (place(), short(&self.name), shown(cell));
+            let sound = !cell.is_empty() && number(cell).is_none_or(f64::is_finite);
             ensure!(
-                !cell.is_empty() && value.is_none_or(f64::is_finite),
-                "{}: column '{}': '{}' is no frame, step or time; mend the line, or give --columns \
-                 frame=none",
-                place(),
-                short(&self.name),
-                shown(cell)
+                sound,
+                "{place}: column '{name}': '{found}' is no frame or time; give --columns frame=none"
             );
             (self.value, self.rows) = (cell.to_vec(), 1);
             for (k, value) in self.beside.iter_mut().flatten() {
