@@ -43,9 +43,11 @@ impl List {
             };
             let (unnamed, whole) = (names(&|other| !other.named), names(&|other| other.whole));
             let doubtful = if unnamed.is_empty() && whole.len() >= dim { whole } else { unnamed };
+            let z = if dim == 2 { "" } else { ",SZ" };
             ensure!(
                 doubtful.is_empty(),
-                "{} may be images; give --pairs-columns I,J,SX,SY[,SZ] if so, otherwise --pairs-columns I,J",
+                "{} may be images; give --pairs-columns I,J,SX,SY{z} if so, otherwise \
+                 --pairs-columns I,J",
                 columns_of(&doubtful)
             );
         }
