@@ -87,7 +87,8 @@ pub fn fuzz_reader(data: &[u8]) {
     assert!(lattice.as_ref().is_none_or(whole), "{lattice:?} is no box");
     // A file without particles cannot store the common radius.
     if !scene.is_empty() {
-        let again = io::load_from(as_csv(&scene).as_bytes(), "again", "csv", io::Options::default());
+        let again =
+            io::load_from(as_csv(&scene).as_bytes(), "again", "csv", io::Options::default());
         let again = again.and_then(|(particles, _)| particles.scene("again", None));
         assert!(again.as_ref().is_ok_and(|again| *again == scene), "{scene:?} became {again:?}");
     }

@@ -138,6 +138,8 @@ impl ExternalRunner {
 /// median in 96.9% of samples.
 pub const FEWEST_BLOCKS: u32 = 6;
 const QUICK_BLOCKS: u32 = 3;
+/// Most blocks of a scene.
+const MOST_BLOCKS: u32 = 100_000;
 
 impl Experiment {
     pub fn all_blocks(&self, quick: bool) -> u32 {
@@ -187,6 +189,7 @@ impl Experiment {
         let some = limit > 0.0 && limit <= 1e6;
         must!(some, "time-limit-s = {limit}: it must be over 0 and at most 10^6 seconds");
         let number = !self.block_budget_s.is_nan();
+        must!(self.blocks <= MOST_BLOCKS, "blocks = {}: at most {MOST_BLOCKS}", self.blocks);
         must!(number, "block-budget-s is nan: leave it out for no budget");
         let limit = self.memory_limit_mib.unwrap_or(0);
         must!(limit <= 1 << 30, "memory-limit-mib = {limit}: at most 2^30 (1 PiB) can be limited");

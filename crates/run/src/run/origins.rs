@@ -16,11 +16,11 @@ use contactbench_record::record::role::Role;
 
 pub struct Origins {
     ledger: Writer,
-    /// SHA-256 of files. A file is read again only if its path, size or time changes.
+    /// SHA-256 of files. A file is read again only if its path, size, time or inode changes.
     known: HashMap<Stamp, Option<String>>,
 }
 
-type Stamp = (PathBuf, u64, Option<SystemTime>);
+type Stamp = (PathBuf, u64, Option<SystemTime>, u64);
 
 impl Origins {
     pub fn append(folder: &Path) -> io::Result<Origins> {
@@ -63,7 +63,13 @@ impl Origins {
     fn executed(&mut self, (name, path): (String, PathBuf)) -> Executed {
         // On Linux, the path is `/proc/PID/exe`, which differs between processes.
         let place = if path.starts_with("/proc") { PathBuf::from(&name) } else { path.clone() };
-        let stamp = std::fs::metadata(&path).map(|it| (place, it.len(), it.modified().ok()));
+        let stamp = std::fs::metadata(&path).map(|it| {
+            #[cfg(unix)]
+            let number = std::os::unix::fs::MetadataExt::ino(&it);
+            #[cfg(not(unix))]
+            let number = 0;
+            (place, it.len(), it.modified().ok(), number)
+        });
         let sha256 = stamp.ok().and_then(|stamp| {
             self.known.entry(stamp).or_insert_with(|| fingerprint(&path).ok()).clone()
         });

@@ -131,9 +131,9 @@ fn rounded_up(value: f64) -> f64 {
 impl Reading {
     pub fn sentence(&self) -> String {
         let pairs = |count: u64| plural(usize::try_from(count).unwrap_or(usize::MAX), "pair");
-        let result = match (self.wrong, self.listed) {
-            (0, listed) => format!("all {} agree", pairs(listed)),
-            (wrong, _) => format!("all but {} agree", pairs(wrong)),
+        let result = match self.wrong {
+            0 => "the whole list agrees".into(),
+            wrong => format!("all but {} agree", pairs(wrong)),
         };
         format!("with {}, {result}", self.mistake.words())
     }
