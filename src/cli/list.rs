@@ -49,7 +49,7 @@ impl What {
         value.map_or(String::new(), |value| value.get_name().replace('-', "_"))
     }
 
-    /// Returns each thing with its name and all that is known of it.
+    /// Returns the items of this kind as JSON, each with its name and fields.
     fn items(self) -> anyhow::Result<Vec<Value>> {
         Ok(match self {
             What::Detectors => TABLE.iter().map(detector).collect(),

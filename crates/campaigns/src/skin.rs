@@ -206,7 +206,7 @@ fn nearly<const D: usize>(mut at: [i64; D], units: i64, draw: &mut Draw) -> [i64
 ///    skin, towards each other.
 /// 3. At the end they are in contact.
 ///
-/// Start and end are off by the same small number of units at most, which may be 0.
+/// Start and end deviate from these positions by at most the same small number of units, or by 0.
 fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Pair<D> {
     let offset = draw.one_of(&OFFSETS);
     let line = Line::new(sphere.length, offset, draw);

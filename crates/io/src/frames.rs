@@ -124,7 +124,7 @@ pub trait Framed {
     /// Reads the frame that has begun, or skips it and returns `None`.
     fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>>;
 
-    /// Whether the text of the frame ends with a line feed.
+    /// Returns whether the text of the frame ends with a line feed.
     fn has_feed(&self) -> bool {
         true
     }

@@ -59,7 +59,7 @@ pub fn recommend(
     patient(py, race)
 }
 
-/// Runs as a runner until its input ends.
+/// Serves the protocol of runners until standard input ends.
 #[pyfunction]
 pub fn serve(
     py: Python<'_>,

@@ -102,8 +102,7 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
 /// Loads the numbers of an array over particles from a place in a range on.
 #[inline(always)]
 fn of_range<V: Copy>(lane: &[f32], place: usize) -> V {
-    // SAFETY: a range begins at most at the slab's `len`, and the arrays over particles are a vector
-    // longer.
+    // SAFETY: `place` is at most the slab's `len`, and each array over particles is a vector longer.
     unsafe { load(lane, place) }
 }
 

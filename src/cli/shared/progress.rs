@@ -11,7 +11,7 @@ use contactbench_terms::text::line;
 
 /// Least time between two numbers of frames.
 const TICK: Duration = Duration::from_millis(200);
-/// Maximum number of letters of a line, so that a terminal does not wrap it.
+/// Maximum number of characters of a line, so that a terminal does not wrap it.
 const LONGEST: usize = 79;
 
 /// A line on a terminal, replaced by the next and removed when dropped; elsewhere nothing.

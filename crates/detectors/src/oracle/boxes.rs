@@ -254,7 +254,7 @@ impl<const D: usize> Tests<'_, D> {
         Ok(())
     }
 
-    /// Tests all pairs with a chosen particle that are not certainly apart.
+    /// Tests each pair that has a chosen particle, unless the two are certainly apart.
     fn chosen(&mut self, chosen: &[bool]) -> Result<(), Refusal> {
         let (frame, few) = (self.frame, numbers(chosen));
         let fractions = |x: &[f64; D]| -> [f64; 3] {

@@ -72,7 +72,7 @@ pub struct Groups {
     values: Vec<(Word, Option<f64>)>,
     /// Values whose contacts are left out: with all particles, or with those of a second value.
     rules: Vec<(u8, Option<u8>)>,
-    /// Index of the value of each particle; the number of values if it is not named.
+    /// For each particle, the index of its value; the number of values if no rule names its value.
     of: Vec<u8>,
 }
 

@@ -70,7 +70,7 @@ pub fn hold(
     Ok((lacks, broken))
 }
 
-/// Checks the digest of an answer with the right number of pairs.
+/// Checks the digest of an answer whose number of pairs is right.
 fn digest(reply: &Reply) -> Result<(), String> {
     let found = match reply {
         Reply::Sample(sample) => &sample.found,

@@ -127,7 +127,8 @@ impl<const D: usize> Paths<D> {
     fn whirled(&self, time: f64, first: &[Point<f64, D>]) -> Vec<Point<f64, D>> {
         let middle: [f64; D] = std::array::from_fn(|k| self.low[k] + 0.5 * self.extent[k]);
         let rigid = self.kind == Kind::Rotation;
-        // The radius of fastest motion, in a vortex that of its core.
+        // Distance from the centre at which motion is fastest: that of the outermost particle in a
+        // rotation, the edge of the core in a vortex.
         let most = match rigid {
             true => first.iter().map(|at| distance(at, &middle)).fold(0.0, f64::max),
             false => 0.125 * self.extent.iter().fold(0.0f64, |most, &edge| most.max(edge)),

@@ -119,13 +119,15 @@ struct Ball<'a, const D: usize> {
 }
 
 struct Layer {
-    /// The squared reach less the squared gap to the layer, and its root.
+    /// Squared reach minus squared gap to the layer.
     left: f64,
+    /// Square root of `left`.
     root: f64,
     /// Offset of the visitor from the layer's origin.
     z: f32,
-    /// Index of the first row's first cell, and of cells from row to row.
+    /// Index of the first cell of the first row.
     offset: usize,
+    /// Number of cells from one row to the next.
     stride: usize,
 }
 

@@ -13,7 +13,7 @@ pub struct Headers<'a> {
     any: bool,
 }
 
-/// What stands before the rows of a frame.
+/// The header of a frame: the lines before its rows.
 #[derive(Default)]
 pub struct Header {
     pub n: u64,

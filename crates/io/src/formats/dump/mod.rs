@@ -67,7 +67,7 @@ impl Framed for Dump<'_> {
     }
 }
 
-/// Returns rows for the columns of a frame, and whether its coordinates are scaled by the box.
+/// Returns the reader of a frame's rows, and whether their coordinates are scaled by the box.
 fn atoms(header: &Header, options: Options) -> anyhow::Result<(Rows, bool)> {
     let Header { names, place, bounds, .. } = header;
     let named = !names.trim().is_empty();
@@ -96,8 +96,8 @@ fn atoms(header: &Header, options: Options) -> anyhow::Result<(Rows, bool)> {
     Ok((Rows { columns, particles }, scaled))
 }
 
-/// Finds the coordinates of one kind, and returns the ending of their names: none, u (unwrapped),
-/// s (scaled) or su.
+/// Finds the columns of one kind of coordinates, and returns the suffix of their names: empty, u
+/// (unwrapped), s (scaled) or su.
 fn axes(columns: &mut Columns, chosen: bool, place: &str) -> anyhow::Result<&'static str> {
     let Columns { names, meaning, .. } = columns;
     let at = |name: &str| names.iter().position(|other| other == name);

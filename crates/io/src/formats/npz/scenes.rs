@@ -211,7 +211,7 @@ fn is_size(header: &Header, label: &str, options: Options) -> bool {
     options.sizes_chosen() || header.kind != Kind::U8 || !label.eq_ignore_ascii_case("r")
 }
 
-/// Returns the sizes of one frame; the array may hold one for all, one per particle, or one per
+/// Returns the sizes of one frame. The array has one size in all, one per particle, or one per
 /// particle and frame.
 fn of_frame(size: &mut Array, n: usize, frame: Option<[u64; 2]>) -> anyhow::Result<Size> {
     let Array { header, label, column } = size;

@@ -37,7 +37,7 @@ pub struct Judge<'a> {
 
 type Known<T> = HashMap<Arithmetic, Result<T, Nothing>>;
 
-/// Stores a result, unless it is a defect of this program or a file that cannot be read.
+/// Stores a result. Defects of this program and unreadable files are not stored.
 fn kept<T: Clone>(
     known: &mut Known<T>,
     arithmetic: Arithmetic,

@@ -190,9 +190,8 @@ impl Found {
         }
     }
 
-    /// Returns the number of contacts in all frames, and a chained hash of the frames' digests,
-    /// like [`scene_hash`](contactbench_scenes::stats::scene_hash). For one frame, returns its
-    /// digest instead.
+    /// Returns the number of contacts in all frames, and a chained hash of the digests of frames.
+    /// For one frame, returns its digest instead.
     pub fn whole(&self) -> (u64, String) {
         let Found { contacts, digest: text, steps } = self;
         if steps.digests.len() < 2 {

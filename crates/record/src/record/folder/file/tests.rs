@@ -101,7 +101,7 @@ fn a_compressed_record_is_read_and_never_appended_to() {
     assert!(refusal(&path).contains("samples.jsonl.gz:1: its check does not match"));
     pack(&text, 9);
     assert!(refusal(&path).contains("samples.jsonl.gz: it cannot be unpacked: "));
-    // A file of some kilobytes that unpacks to an endless line.
+    // A small file that unpacks to one line of 20 MiB.
     pack(&"0".repeat(20 << 20), 0);
     assert!(refusal(&path).contains("samples.jsonl.gz:1: it is longer than a row"));
     std::fs::write(&path, &text).unwrap();
