@@ -4,7 +4,7 @@
 use crate::nearest::hint;
 
 /// Parameters that belong to a tracker; all others in its text belong to its detector.
-pub const TRACKER: [&str; 3] = ["margin", "rule", "skin"];
+pub const TRACKER: [&str; 2] = ["rule", "skin"];
 
 /// A name with parameters, as written. Blanks around names, keys and values are removed.
 #[derive(Clone, Debug, PartialEq, Eq)]
