@@ -14,7 +14,7 @@ use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_io as io;
 use contactbench_io::pairs::List;
 use contactbench_io::{Frame, Place};
-use contactbench_run::verify::{Allowed, Job, Listed, Naming, Terms, Verification, verify};
+use contactbench_run::verify::{Allowed, Job, Listed, Naming, Taken, Terms, Verification, verify};
 use contactbench_scenes::touching::in_any_box;
 use contactbench_terms::number::plural;
 use contactbench_views::draw::{self, Look, Pairs, Slice};
@@ -115,7 +115,8 @@ fn compared(space: &Periodic<'_>, list: &List, memory_limit: u64) -> anyhow::Res
     };
     let list = Listed { pairs: &list.pairs, images: list.images.as_deref() };
     let job = Job { space, list, naming: &Naming::Base(0), others: &[], terms };
-    let Verification { truth, missed, spurious, repeated, selves, unknown, .. } = verify(&job)?;
+    let Verification { truth, missed, spurious, repeated, selves, unknown, taken, .. } =
+        verify(&job)?;
     if let Some([i, j]) = unknown.first() {
         let n = scene.len();
         bail!("the pair {i},{j}: the scene has {n} particles, numbered from 0; verify reads others")
@@ -123,8 +124,14 @@ fn compared(space: &Periodic<'_>, list: &List, memory_limit: u64) -> anyhow::Res
     let pairs = |all: Vec<(ImagePair, f64)>| all.into_iter().map(|(pair, _)| pair);
     let mut contacts = truth.sorted(scene.len(), memory_limit)?;
     let missed: BTreeSet<ImagePair> = pairs(missed).collect();
-    contacts.retain(|pair| !missed.contains(pair));
-    let (missed, spurious) =
-        (missed.into_iter().collect(), pairs(spurious).chain(selves).collect());
+    // If a pair stands once for all its images, `missed` has one of them.
+    let named: BTreeSet<[u32; 2]> = match taken {
+        Taken::Once => missed.iter().map(|pair| [pair.i, pair.j]).collect(),
+        _ => BTreeSet::new(),
+    };
+    let is_missed =
+        |pair: &mut ImagePair| missed.contains(pair) || named.contains(&[pair.i, pair.j]);
+    let missed = contacts.extract_if(.., is_missed).collect();
+    let spurious = pairs(spurious).chain(selves).collect();
     Ok(Pairs { contacts, missed, spurious, duplicates: repeated })
 }

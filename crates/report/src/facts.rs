@@ -173,6 +173,12 @@ impl<'a> Chapter<'a> {
         failed
     }
 
+    /// Returns whether the answer is which subject is the fastest.
+    pub fn is_a_race(&self) -> bool {
+        let answered = self.verdicts.iter().any(|verdict| !verdict.answers.is_empty());
+        self.asks_fastest && !self.winners.contests.is_empty() && !answered
+    }
+
     pub fn sentence(&self) -> Text {
         self.answer.clone().unwrap_or_else(|| sections::winners::sentence(&self.winners))
     }

@@ -1,6 +1,6 @@
 //! Progress of a run or of a pass over frames: a line on a terminal, plain lines elsewhere.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
@@ -15,18 +15,30 @@ const TICK: Duration = Duration::from_millis(200);
 const LONGEST: usize = 79;
 
 /// A line on a terminal, replaced by the next and removed when dropped; elsewhere nothing.
-pub struct Line(bool);
+pub struct Line {
+    on_terminal: bool,
+    shown: RefCell<String>,
+}
 
 impl Line {
     pub fn start() -> Line {
-        Line(std::io::stderr().is_terminal())
+        Line { on_terminal: std::io::stderr().is_terminal(), shown: RefCell::default() }
     }
 
     pub fn show(&self, text: &str) {
-        if self.0 {
+        if self.on_terminal {
             let text: String = line(text).chars().take(LONGEST).collect();
             let _ = write!(std::io::stderr(), "\r\x1b[K{text}");
+            *self.shown.borrow_mut() = text;
         }
+    }
+
+    /// Prints a text above the line.
+    fn above(&self, text: &str) {
+        let shown = self.shown.take();
+        self.show("");
+        say(text);
+        self.show(&shown);
     }
 }
 
@@ -68,6 +80,8 @@ fn first() -> Duration {
 pub struct Terminal<'a> {
     line: Line,
     started: Instant,
+    /// Number of scenes that were complete at the start, and the time when this was known.
+    complete: (usize, f64),
     /// Whether the table of scenes has its heads.
     headed: bool,
     /// Whether the first report has been written.
@@ -79,7 +93,7 @@ pub struct Terminal<'a> {
 impl<'a> Terminal<'a> {
     pub fn new(report: &'a mut dyn FnMut() -> String) -> Terminal<'a> {
         let (line, started) = (Line::start(), Instant::now());
-        Terminal { line, started, headed: false, reported: false, report }
+        Terminal { line, started, complete: (0, 0.0), headed: false, reported: false, report }
     }
 }
 
@@ -91,9 +105,19 @@ fn columns([scene, first, time, second, ratio, contacts, right]: [&str; 7]) -> S
 impl Progress for Terminal<'_> {
     fn scene(&mut self, done: usize, total: usize, next: &str) {
         let time = self.started.elapsed().as_secs_f64();
-        if self.line.0 {
-            let left = time / done.max(1) as f64 * (total - done) as f64;
-            let left = if done > 0 { format!(", about {left:.0} s left") } else { String::new() };
+        if self.line.on_terminal {
+            // Scenes of an earlier run end at once.
+            if done == self.complete.0 + 1 && time < self.complete.1 + 0.05 {
+                self.complete = (done, time);
+            }
+            let (before, begun) = self.complete;
+            let left = match done - before {
+                0 => String::new(),
+                some => {
+                    let left = (time - begun) / some as f64 * (total - done) as f64;
+                    format!(", about {left:.0} s left")
+                }
+            };
             self.line.show(&format!("{done}/{total} scenes, {time:.0} s{left}: {next}"));
         } else {
             say!("[{time:6.1} s] {done}/{total} {next}");
@@ -122,7 +146,6 @@ impl Progress for Terminal<'_> {
     }
 
     fn note(&mut self, text: &str) {
-        self.line.show("");
-        say(text);
+        self.line.above(text);
     }
 }

@@ -54,8 +54,13 @@ type Change = (&'static str, PathBuf, String);
 pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
     let names = names(&options.name)?;
     let mut out = terminal::out();
-    for (what, path, text) in changes(&options.root, &names)? {
-        terminal::save(&path, text.as_bytes(), "--in")?;
+    // The module comes first. Without its entries it would stop a second try.
+    let changes = changes(&options.root, &names)?;
+    for (what, path, text) in &changes {
+        if let Err(error) = terminal::save(path, text.as_bytes(), "--in") {
+            let _ = std::fs::remove_file(&changes[0].1);
+            return Err(error);
+        }
         writeln!(out, "{what} {}", path.display())?;
     }
     let check = format!("cargo run -- check --detector {}", names.name);

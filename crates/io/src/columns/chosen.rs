@@ -6,7 +6,9 @@
 //! * `frame=NAME` chooses the column that splits a table into frames; `frame=none` turns splitting
 //!   off.
 
+use std::collections::BTreeSet;
 use std::str::FromStr;
+use std::sync::{Mutex, PoisonError};
 
 use anyhow::{bail, ensure};
 
@@ -38,13 +40,22 @@ const KEYS: [(&str, Column); 6] = [
     ("id", Column::Id),
 ];
 
-/// A name or value. Options are copied often and made once, so their few words are never freed.
+/// A name or value. Options are copied often, so each different word is stored once and never freed.
 pub type Word = &'static str;
+
+static WORDS: Mutex<BTreeSet<Word>> = Mutex::new(BTreeSet::new());
 
 pub fn word(text: &str) -> Result<Word, String> {
     match text.trim() {
         "" => Err("a name or value is empty".into()),
-        text => Ok(Box::leak(text.into())),
+        text => {
+            let mut words = WORDS.lock().unwrap_or_else(PoisonError::into_inner);
+            Ok(words.get(text).copied().unwrap_or_else(|| {
+                let word: Word = Box::leak(text.into());
+                words.insert(word);
+                word
+            }))
+        }
     }
 }
 

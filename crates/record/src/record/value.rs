@@ -29,7 +29,7 @@ impl AxisValue {
         match (text.parse::<f64>(), text.parse::<bool>()) {
             (Ok(value), _) if value.is_finite() => {
                 let whole = text.parse::<i128>().is_ok();
-                if whole && value.abs() > EXACT { text.into() } else { value.into() }
+                if whole && value.abs() >= EXACT { text.into() } else { value.into() }
             }
             (_, Ok(value)) => AxisValue::Bool(value),
             _ => text.into(),
@@ -89,7 +89,7 @@ impl fmt::Display for AxisValue {
 impl From<u64> for AxisValue {
     fn from(value: u64) -> AxisValue {
         let number = value as f64;
-        if number <= EXACT { number.into() } else { AxisValue::Text(value.to_string()) }
+        if number < EXACT { number.into() } else { AxisValue::Text(value.to_string()) }
     }
 }
 

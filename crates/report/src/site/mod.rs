@@ -4,6 +4,7 @@
 
 mod field;
 
+use std::cmp::Reverse;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -13,10 +14,13 @@ use crate::document::{self, Block};
 use crate::facts::{Chapter, Facts};
 use crate::figure::style::Styles;
 use crate::page;
+use crate::sections;
 use crate::table::{Cell as Entry, Table};
 use contactbench_record::cells::{Cell, cells};
 use contactbench_record::experiment::Experiment;
+use contactbench_record::findings::winners::Contest;
 use contactbench_record::record::row::Row;
+use contactbench_terms::number::number;
 use contactbench_terms::text;
 use contactbench_terms::text::html as escape;
 use field::Line;
@@ -133,10 +137,6 @@ impl<'a> Record<'a> {
         self.facts.alerts.is_empty()
     }
 
-    fn chapters(&self) -> impl Iterator<Item = &Chapter<'a>> {
-        self.facts.chapters.iter()
-    }
-
     fn page(&self) -> String {
         format!("records/{}.html", stem(self.name))
     }
@@ -151,9 +151,13 @@ impl<'a> Record<'a> {
     fn html(&self) -> String {
         let facts = &self.facts;
         let mut blocks = facts.head();
+        let older = "Another program made later records here.";
+        blocks.extend(self.older.then(|| Block::paragraph(older)));
+        blocks.push(Block::paragraph(format!("{}, {}", self.day, self.cpu)));
         for chapter in &facts.chapters {
             blocks.push(Block::heading(2, &*chapter.experiment.title));
             blocks.push(chapter.reading());
+            blocks.extend(chapter.matrix.iter().flat_map(sections::claims::verdicts::blocks));
             blocks.extend(chapter.pictures());
         }
         page::legend(facts.cells, &facts.styles) + &document::html(&blocks)
@@ -189,16 +193,24 @@ impl Site<'_> {
         pages
     }
 
-    /// Returns the experiment, of a sound and recent record, that compares most on one scene, if
-    /// possible with libraries.
-    fn best(&self) -> Option<(&Record<'_>, &Chapter<'_>)> {
-        let most = |chapter: &Chapter<'_>| {
-            chapter.winners.contests.iter().map(|contest| contest.others.len()).max()
+    /// Returns the scene with the shortest description of those with five libraries. Without such a
+    /// scene, it is the one with most libraries. If several match, it is the last.
+    fn best(&self) -> Option<(&Record<'_>, &Chapter<'_>, &Contest)> {
+        let library = |name: &&str| !(self.about)(name).is_some_and(|about| about.ours);
+        let libraries = |it: &Contest| {
+            let names = it.others.iter().map(|it| &*it.name);
+            names.chain(it.without.iter().map(|it| &*it.0)).filter(library).count()
         };
-        let chapters = |record| Record::chapters(record).map(move |chapter| (record, chapter));
-        let chapters = self.records.iter().flat_map(chapters);
-        chapters.filter(|(_, chapter)| chapter.asks_fastest).max_by_key(|(record, chapter)| {
-            (record.sound(), !record.older, chapter.answer.is_some(), most(chapter))
+        let records = self.records.iter();
+        let contests = records.flat_map(|record| {
+            let chapters = record.facts.chapters.iter().filter(|chapter| chapter.asks_fastest);
+            chapters.flat_map(move |chapter| {
+                chapter.winners.contests.iter().map(move |contest| (record, chapter, contest))
+            })
+        });
+        contests.max_by_key(|(record, _, contest)| {
+            let parts = contest.title.split(',').count();
+            (record.sound(), !record.older, libraries(contest).min(5), Reverse(parts))
         })
     }
 
@@ -208,17 +220,22 @@ impl Site<'_> {
              Every detector here read the same particles and was timed in turns with the others; \
              every answer was compared with the exact truth.</p>\n",
         );
-        if let Some((record, chapter)) = self.best() {
+        if let Some((record, chapter, contest)) = self.best() {
             let (cpu, day, page) = (escape(&record.cpu), escape(&record.day), record.page());
-            out += &document::html(&chapter.fastest(true));
+            let sentence = document::html(&[Block::Paragraph(chapter.sentence())]);
             out += &format!(
-                "<p class=\"note\">{cpu}, {day}. <a href=\"{page}\">This record</a></p>\n"
+                "{sentence}{}<p class=\"note\">{cpu}, {day}. <a href=\"{page}\">All scenes of this \
+                 record</a></p>\n",
+                bars(contest),
             );
         }
         let answers = |record: &Record<'_>| -> Vec<String> {
-            let first = |chapter: &Chapter<'_>| chapter.answers(false).into_iter().next();
+            let first = |chapter: &Chapter<'_>| match chapter.is_a_race() {
+                true => Some(Block::Paragraph(chapter.sentence())),
+                false => chapter.answers(false).into_iter().next(),
+            };
             let text = |block| document::plain(&[block], usize::MAX).trim_end().to_string();
-            record.chapters().filter_map(first).map(text).collect()
+            record.facts.chapters.iter().filter_map(first).map(text).collect()
         };
         let table: Table = Table::of("", self.records)
             .left("question", |it| Entry::Link(it.question().into(), it.page()))
@@ -259,4 +276,27 @@ fn html(root: &str, title: &str, main: &str) -> String {
     let values =
         [("title", escape(title)), ("root", root.into()), ("main", main), ("script", script)];
     text::fill(TEMPLATE, &values)
+}
+
+/// Draws the times of a scene as bars. A subject without a time has its outcome instead.
+fn bars(contest: &Contest) -> String {
+    let timed = || std::iter::once(&contest.first).chain(&contest.others);
+    let longest = timed().map(|it| it.per_particle).fold(0.0, f64::max);
+    let mut out = format!(
+        "<table class=\"bars\"><caption>{}: time per particle, in nanoseconds</caption><tbody>\n",
+        escape(&contest.title)
+    );
+    let mut row = |name: &str, share: f64, text: &str| {
+        let name = escape(name);
+        out += &format!(
+            "<tr><th scope=\"row\">{name}</th><td><i style=\"width:{:.1}%\"></i>{text}</td></tr>\n",
+            70.0 * share
+        );
+    };
+    for it in timed() {
+        let ratio = it.ratio.map_or(String::new(), |it| format!(", {} times", number(it.median)));
+        row(&it.name, it.per_particle / longest, &(number(it.per_particle) + &ratio));
+    }
+    contest.without.iter().for_each(|(name, outcome)| row(name, 0.0, outcome.name()));
+    out + "</tbody></table>\n"
 }

@@ -107,6 +107,9 @@ impl Line {
             Err(failure) if failure.outcome == Outcome::Timeout => {
                 bail!(Wrong::Hangs(self.deadline))
             }
+            Err(Failure { outcome: Outcome::Unavailable, reason }) => {
+                bail!(Wrong::Breaks(format!("it replies unavailable after its hello: {reason}")))
+            }
             Err(failure) => Err(broken(&client, failure)),
         }
     }

@@ -113,11 +113,17 @@ impl Ground<'_> {
             let mut subject = self.entered(entry);
             // The first probe may use the whole time, later probes what is left of its first half.
             let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
-            // A slow probe must not use up the time of those that follow.
-            let patience = shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left / 3));
-            let best = subjects.iter().filter_map(|subject| subject.probe_ns).min();
-            let took = self.probe(&mut subject, patience.max(SHORTEST_PROBE), best)?;
-            shortest = shortest.into_iter().chain(took).min();
+            if left.is_zero() {
+                let reason = "not tried: time was up (--seconds)".into();
+                subject.fail(Failure { outcome: Outcome::Timeout, reason });
+            } else {
+                // A slow probe must not use up the time of those that follow.
+                let patience =
+                    shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left / 3));
+                let best = subjects.iter().filter_map(|subject| subject.probe_ns).min();
+                let took = self.probe(&mut subject, patience.max(SHORTEST_PROBE), best)?;
+                shortest = shortest.into_iter().chain(took).min();
+            }
             subjects.push(subject);
         }
         drop_slow(&mut subjects);

@@ -2,6 +2,7 @@
 //! load of the machine.
 
 use std::collections::HashMap;
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -10,7 +11,7 @@ use anyhow::Context;
 
 use crate::run::runner::client::Client;
 use crate::run::subject::Subject;
-use contactbench_record::record::folder::copies::sha256;
+use contactbench_record::record::folder::copies::{sha256, sha256_of};
 use contactbench_record::record::folder::ledger::{Entry, Executed, Process, Span, Writer};
 use contactbench_record::record::role::Role;
 
@@ -99,7 +100,7 @@ fn name(path: &Path) -> String {
 }
 
 pub fn fingerprint(path: &Path) -> io::Result<String> {
-    Ok(sha256(&std::fs::read(path)?))
+    sha256_of(File::open(path)?)
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ pub fn run(
     })?;
     let (record, origins) = opened(folder, done.rows.len())?;
     interrupt::install().context("cannot listen to Ctrl-C")?;
-    write_origin(asked, folder, &label, base)?;
+    write_origin(asked, folder, &label, base, done.rows.is_empty())?;
     let (too_slow, noted) = (TooSlow::new(&done.rows), BTreeSet::new());
     let log = Log { record, origins, progress, too_slow, noted, span: None, latest: Vec::new() };
     measure(&job, &scenes, &done.rows, scenes_folder.path(), log).map_err(|error| {
@@ -155,6 +155,7 @@ fn write_origin(
     folder: &Path,
     label: &str,
     base: Option<String>,
+    first: bool,
 ) -> anyhow::Result<()> {
     let full = |(experiment, text): &(Experiment, String)| {
         (experiment.name.clone(), detectors::in_full(text))
@@ -163,8 +164,7 @@ fn write_origin(
     for (name, text) in &texts {
         write(&copy(folder, name), text.as_bytes())?;
     }
-    let first = !folder.join(provenance::FILE).exists();
-    let file = if first {
+    let file = if first || !folder.join(provenance::FILE).exists() {
         provenance::FILE.into()
     } else {
         format!("provenance-resumed-{}.json", provenance::date())
@@ -254,8 +254,13 @@ fn previous(
         path.display()
     );
     let of = path.parent().unwrap_or(Path::new("."));
-    folder::sound(of)?;
     let record = row::read(path)?;
+    // A run killed before its first row may have left copies without provenance. They are written
+    // again.
+    if record.rows.is_empty() {
+        return Ok(record);
+    }
+    folder::sound(of)?;
     record.warnings.iter().for_each(|warning| note(warning.clone()));
     note(format!("resuming: {} rows are there already", record.rows.len()));
     let other = |row: &Row| row.id.machine.clone().filter(|machine| machine != here);

@@ -1,5 +1,6 @@
 //! Reports of wrong detectors and of refusals.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -81,15 +82,21 @@ pub(super) fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// Prints the most frequent refusals.
+/// Prints the most frequent kinds of refusals, each with its first reason. Reasons that differ only
+/// in numbers are one kind.
 pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<()> {
-    let mut kinds: Vec<(&String, &u64)> = report.refused.iter().collect();
-    kinds.sort_by_key(|(_, times)| std::cmp::Reverse(**times));
+    let mut kinds: BTreeMap<String, (&String, u64)> = BTreeMap::new();
+    for (reason, times) in &report.refused {
+        let kind = reason.chars().filter(|c| !c.is_ascii_digit()).collect();
+        kinds.entry(kind).or_insert((reason, 0)).1 += times;
+    }
+    let mut kinds: Vec<(&String, u64)> = kinds.into_values().collect();
+    kinds.sort_by_key(|(_, times)| std::cmp::Reverse(*times));
     for (reason, times) in kinds.iter().take(KINDS) {
-        writeln!(out, "refused {}: {reason}", plural(**times as usize, "time"))?;
+        writeln!(out, "refused {}: {reason}", plural(*times as usize, "time"))?;
     }
     if kinds.len() > KINDS {
-        let rest: u64 = kinds[KINDS..].iter().map(|(_, times)| **times).sum();
+        let rest: u64 = kinds[KINDS..].iter().map(|(_, times)| times).sum();
         let (rest, others) = (plural(rest as usize, "time"), kinds.len() - KINDS);
         writeln!(out, "refused {rest} for {}", plural(others, "other reason"))?;
     }

@@ -1,7 +1,5 @@
 //! Results of a check as cases for continuous integration and as JSON.
 
-use std::collections::BTreeSet;
-
 use serde_json::{Value, json};
 
 use super::failing::{regression_file, rounding, worst};
@@ -100,9 +98,9 @@ pub(super) fn as_json(
         })
     };
     let groups = || reports.iter().map(|checked| checked.group);
-    let detectors: BTreeSet<&str> = groups().flat_map(Group::names).collect();
+    let detectors = once(groups().flat_map(Group::names));
     let arithmetics = groups().flat_map(|group| &group.arithmetics);
-    let arithmetics: BTreeSet<&str> = arithmetics.map(|known| known.name()).collect();
+    let arithmetics = once(arithmetics.map(|known| known.name()));
     let protocol: Vec<String> = broken.iter().map(Wrong::to_string).collect();
     let checks: Vec<Value> = reports.iter().map(of).collect();
     json!({
@@ -112,4 +110,15 @@ pub(super) fn as_json(
         "protocol": protocol,
         "checks": checks,
     })
+}
+
+/// Returns each name once, in the order of its first place.
+fn once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut all = Vec::new();
+    for name in names {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    all
 }

@@ -29,6 +29,7 @@ impl Framed for Indexed<'_, Header> {
         let Indexed { source, options, index: Some(header), next } = self else { return Ok(None) };
         let read = match keep {
             true => frame(source, header, *options).map(Some),
+            false if !header.fields.is_empty() => return Ok(None),
             false => header.values(source, header.frame_size(), |_, _| Ok(())).map(|()| None),
         };
         let read = match header.frames {

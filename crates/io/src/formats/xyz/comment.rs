@@ -188,7 +188,21 @@ impl Scan<'_> {
         while let Some(c) = self.next() {
             open += i32::from(c == '[') - i32::from(c == ']');
             if open == 0 {
-                return Ok(self.line[start..self.at].into());
+                let text = &self.line[start..self.at];
+                let cells = |row: &str| {
+                    row.split(|c: char| c == ',' || c.is_whitespace())
+                        .filter(|cell| !cell.is_empty())
+                        .count()
+                };
+                let mut lengths = text.split(['[', ']']).map(cells).filter(|&length| length > 0);
+                let first = lengths.next();
+                return match lengths.all(|length| Some(length) == first) {
+                    true => Ok(text.into()),
+                    false => Err((start, "the rows of the array are not equally long")),
+                };
+            }
+            if open > 2 {
+                return Err((self.at - 1, "arrays have two levels at most"));
             }
         }
         Err((start, "the bracket that begins here has no end"))

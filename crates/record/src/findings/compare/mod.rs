@@ -17,7 +17,7 @@ use crate::cells::label::{place, swept};
 use crate::cells::{Cell, cells, ids};
 use crate::findings::trust::noise::{Noise, nine_in_ten};
 use crate::record::column::Column;
-use crate::record::id::{CellId, FIELDS, Projection};
+use crate::record::id::{CellId, FIELDS, MACHINE, Projection};
 use crate::record::origin::machines::Machine;
 use crate::record::row::{Outcome, Pass, Row};
 use contactbench_terms::arithmetic::Arithmetic;
@@ -216,6 +216,7 @@ fn fields(a: &Record, b: &Record) -> Vec<String> {
         let first = values.next();
         ["experiment", "order", "seed", "threads"].contains(name)
             && values.any(|value| Some(value) != first)
+            || *name == MACHINE && all.iter().any(|cell| cell.id.machine.is_some())
     };
     let first = ["detector", "arithmetic", "scene", "dim", "n"].map(String::from);
     let others = FIELDS.into_iter().filter(rarely).map(String::from);

@@ -2,6 +2,7 @@
 //! start of the run, so that later edits of a claim or plan are detected.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
@@ -16,7 +17,25 @@ pub const FIELD: &str = "experiments_sha256";
 
 /// Returns the SHA-256 in hexadecimal digits.
 pub fn sha256(text: &[u8]) -> String {
-    Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(Sha256::digest(text).as_slice())
+}
+
+/// Returns the SHA-256 of all bytes of a reader, which need not fit into memory.
+pub fn sha256_of(reader: impl Read) -> io::Result<String> {
+    let (mut reader, mut sum) = (BufReader::with_capacity(1 << 20, reader), Sha256::new());
+    loop {
+        let bytes = reader.fill_buf()?;
+        if bytes.is_empty() {
+            return Ok(hexadecimal(sum.finalize().as_slice()));
+        }
+        sum.update(bytes);
+        let read = bytes.len();
+        reader.consume(read);
+    }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 pub fn field<'a>(copies: impl Iterator<Item = (&'a str, &'a str)>) -> Value {
