@@ -255,12 +255,11 @@ fn previous(
     );
     let of = path.parent().unwrap_or(Path::new("."));
     let record = row::read(path)?;
-    // A run killed before its first row may have left copies without provenance. They are written
+    // A run killed before its first row may have left copies without provenance; both are written
     // again.
-    if record.rows.is_empty() {
-        return Ok(record);
+    if !record.rows.is_empty() {
+        folder::sound(of)?;
     }
-    folder::sound(of)?;
     record.warnings.iter().for_each(|warning| note(warning.clone()));
     note(format!("resuming: {} rows are there already", record.rows.len()));
     let other = |row: &Row| row.id.machine.clone().filter(|machine| machine != here);
