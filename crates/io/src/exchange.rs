@@ -43,10 +43,10 @@ pub fn read_scene(
     radius: Option<f64>,
 ) -> anyhow::Result<AnyScene<'static>> {
     let scene = io::scene(path, io::Options { radius, dim: Some(dim), ..io::Options::NONE })?;
-    let found = (scene.len() as u64, scene.dim() as u32);
+    let (count, axes) = (scene.len() as u64, scene.dim() as u32);
     ensure!(
-        found == (n, dim),
-        "{} holds {found:?} particles and axes, not {n} in {dim}D",
+        (count, axes) == (n, dim),
+        "{} holds {count} particles in {axes}D, not {n} in {dim}D",
         path.display()
     );
     Ok(scene)
