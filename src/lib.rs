@@ -8,8 +8,8 @@
 //!
 //! 1. [`scene`]: generators, and files ([`io`]), give centres and radii.
 //! 2. The crates `contactbench-ground`, `contactbench-streamed`, `contactbench-lists` and
-//!    `contactbench-detectors` find and count contacts; [`moving`] compares neighbour lists of moving
-//!    particles with the truth. `contactbench-core` is the published face of the four.
+//!    `contactbench-detectors` find and count contacts; [`moving`] compares neighbour lists of
+//!    moving particles with the truth. `contactbench-core` is the published face of the four.
 //! 3. [`mod@check`] compares every detector with the truth on many small scenes.
 //! 4. [`experiment`] reads a TOML file; [`run`] measures each detector in a process of its own and
 //!    appends rows to the [`record`].

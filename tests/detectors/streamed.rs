@@ -269,8 +269,8 @@ fn counts_are_the_same_on_all_levels() {
 }
 
 /// Columns are divided into cells if all particles except one lie in one column. The form for other
-/// scenes can be read off `counts.txt`: for each particle, with cells 2 ranges are visited in 2D and
-/// 5 in 3D, with columns 1 and 2.
+/// scenes can be read off `counts.txt`: for each particle, with cells 2 ranges are visited in 2D
+/// and 5 in 3D, with columns 1 and 2.
 #[test]
 fn a_column_of_all_particles_is_divided() {
     let row = (0..4095).map(|k| [0.0, f64::from(k)]).chain([[4100.0, 0.0]]);

@@ -53,7 +53,8 @@ contactbench_terms::named! {
         Label = "label",
         /// Depths whose sign contradicts the label.
         Depth = "depth",
-        /// Constructed labels that differ from rational arithmetic: an error of the campaign itself.
+        /// Constructed labels that differ from rational arithmetic: an error of the campaign
+        /// itself.
         Construction = "construction",
         Refused = "refused",
     }

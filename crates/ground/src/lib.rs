@@ -1,5 +1,5 @@
-//! The ground of contact detectors for discs and spheres, for the crates of contactbench. Programs use
-//! `contactbench-core`.
+//! The ground of contact detectors for discs and spheres, for the crates of contactbench. Programs
+//! use `contactbench-core`.
 //!
 //! 1. [`scene`]: centres and radii, always valid.
 //! 2. [`contact`]: the contact test, shared by all detectors. [`filter`] proves that no detector

@@ -33,14 +33,14 @@ pub fn vectors(numbers: &[f64]) -> Option<[[f64; 3]; 3]> {
 pub fn bound(cell: &[u8], k: usize, lines: &Lines<'_>) -> anyhow::Result<f64> {
     number(cell).filter(|x| x.is_finite()).with_context(|| {
         let (place, column) = (lines.place(), k + 1);
-        format!("{place}: column {column}: '{}' is no finite bound of the box", shown(cell))
+        format!("{place}: column {column}: '{}' is not a finite bound of the box", shown(cell))
     })
 }
 
 pub fn in_order(ranges: &[[f64; 2]], boundaries: Boundaries) -> anyhow::Result<()> {
     for [low, high] in ranges {
         let sound = low <= high || boundaries.replace_box();
-        ensure!(sound, "the box goes from {low} to {high}; mend it, or give --box or --open");
+        ensure!(sound, "the box goes from {low} to {high}; fix it, or give --box or --open");
     }
     Ok(())
 }
@@ -120,7 +120,7 @@ impl FromStr for Edges {
         let numbers: Option<Vec<f64>> = words.map(finite).collect();
         let numbers = numbers.ok_or(format!("'{text}' are not finite numbers; {form}"))?;
         let count = numbers.len();
-        let vectors = vectors(&numbers).ok_or(format!("{count} numbers are no box; {form}"))?;
+        let vectors = vectors(&numbers).ok_or(format!("{count} numbers are not a box; {form}"))?;
         let space = !matches!(count, 2 | 4);
         // Lengths of edges must not be negative; components of vectors may be.
         let edges = if matches!(count, 4 | 9) { 0 } else { count.min(3) };
@@ -307,4 +307,4 @@ impl Boundaries {
     }
 }
 
-const OPTIONS: &str = "(mend it, or give --box, --periodic or --open)";
+const OPTIONS: &str = "(fix it, or give --box, --periodic or --open)";

@@ -90,7 +90,7 @@ impl Columns {
         particles.push(point, radius, id).with_context(place)
     }
 
-    /// Returns why a line is no particle: its number of cells, or else that of the `bad` one.
+    /// Returns why a line is not a particle: its number of cells, or else that of the `bad` one.
     fn fault<'a>(
         &self,
         mut cells: impl Iterator<Item = &'a [u8]> + Clone,
@@ -100,10 +100,10 @@ impl Columns {
         if let Some((k, why)) = bad.filter(|_| count == wanted || self.or_more && count > wanted) {
             let cell = shown(cells.nth(k).unwrap_or_default());
             let name = short(&self.names[k]);
-            return anyhow!("column '{name}': '{cell}' {why}; mend or remove the line");
+            return anyhow!("column '{name}': '{cell}' {why}; fix or remove the line");
         }
         let (count, names) = (plural(count, "column"), listed(&self.names));
-        anyhow!("{count} where {wanted} are expected ({names}); mend or remove the line")
+        anyhow!("{count} where {wanted} are expected ({names}); fix or remove the line")
     }
 }
 
@@ -140,8 +140,8 @@ impl Rows {
         columns.push(particles, Separator::Blanks.cells(line), || lines.place())
     }
 
-    /// Adds the particles of the next `count` records of a binary file. `fields` are the type (`None`
-    /// if not a number) and size in bytes of each column.
+    /// Adds the particles of the next `count` records of a binary file. `fields` are the type
+    /// (`None` if not a number) and size in bytes of each column.
     pub fn push_records(
         &mut self,
         source: &mut Source<'_>,

@@ -19,8 +19,8 @@ pub struct Searcher {
 }
 
 impl Searcher {
-    /// Creates a searcher with empty buffers. Each list of contacts may take the memory limit of the
-    /// detector.
+    /// Creates a searcher with empty buffers. Each list of contacts may take the memory limit of
+    /// the detector.
     pub fn new(detector: Box<dyn AnyDetector>) -> Searcher {
         Searcher { memory_limit: detector.memory_limit(), detector, finder: None }
     }

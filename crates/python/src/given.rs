@@ -89,7 +89,8 @@ impl<'a> Arrays<'a> {
         Ok(self.scene()?.stored(Storage::F64)?)
     }
 
-    /// Copies the arrays, so that the caller may change its own while work continues after the call.
+    /// Copies the arrays, so that the caller may change its own while work continues after the
+    /// call.
     pub fn copied(&self) -> Result<Arrays<'static>, Failure> {
         let (x, r) = (copied(&self.x)?.into(), copied(&self.r)?.into());
         Ok(Arrays { x, dim: self.dim, r, edges: self.edges })

@@ -20,7 +20,8 @@ pub trait World {
     /// Sends part k to rank k, and replaces part k by the one received from rank k.
     ///
     /// # Errors
-    /// [`Refusal::Exhausted`](contactbench_ground::limits::refusal::Refusal) if any rank lacks memory for the parts.
+    /// [`Refusal::Exhausted`](contactbench_ground::limits::refusal::Refusal) if any rank lacks
+    /// memory for the parts.
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure>;
 }
 

@@ -23,8 +23,8 @@
 //!
 //! If no single cell width suits all sizes, particles are divided into size classes (`classes.rs`),
 //! each with its own grid and sweep (`levels`). While a bundle is in cache, larger particles visit
-//! it (`levels/visits.rs`), row by row of the cells within reach. If a class crowds, [`HGrid`] detects the
-//! whole scene.
+//! it (`levels/visits.rs`), row by row of the cells within reach. If a class crowds, [`HGrid`]
+//! detects the whole scene.
 //!
 //! * Cost: proportional to N, independent of the packing density. In the sparse form N is
 //!   multiplied by the number of digits of cell numbers; size classes add N for each class of
@@ -83,8 +83,8 @@ use contactbench_ground::scene::Real;
 use contactbench_ground::wide::Level;
 use hgrid::HGrid;
 
-/// Returns a detector that uses the vector instructions of a [`Level`] with this name, by default the
-/// best, and this form for all scenes, by default the one that suits each. Compiled here, once.
+/// Returns a detector that uses the vector instructions of a [`Level`] with this name, by default
+/// the best, and this form for all scenes, by default the one that suits each. Compiled here, once.
 pub fn streamed(level: Option<&str>, form: Option<Form>, options: Options) -> Box<dyn AnyDetector> {
     let named = |name: &str| Level::all().into_iter().find(|level| level.name() == name);
     let Some(level) = level.map_or(Some(Level::best()), named) else {
@@ -137,8 +137,8 @@ impl<const D: usize, R> Default for Buffers<D, R> {
 
 impl<const D: usize> Streamed<D> {
     /// Creates a detector that uses the vector instructions of `level`, and this form for all
-    /// scenes, if given. If there are too many columns, cells are used; if there are too many cells,
-    /// the sparse form. If there are size classes, columns become cells.
+    /// scenes, if given. If there are too many columns, cells are used; if there are too many
+    /// cells, the sparse form. If there are size classes, columns become cells.
     pub fn on(level: Level, form: Option<Form>, options: Options) -> Streamed<D> {
         Streamed {
             options,

@@ -102,7 +102,8 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
 /// Loads the numbers of an array over particles from a place in a range on.
 #[inline(always)]
 fn of_range<V: Copy>(lane: &[f32], place: usize) -> V {
-    // SAFETY: `place` is at most the slab's `len`, and each array over particles is a vector longer.
+    // SAFETY: `place` is at most the slab's `len`, and each array over particles is a vector
+    // longer.
     unsafe { load(lane, place) }
 }
 

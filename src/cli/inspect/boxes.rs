@@ -27,7 +27,7 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &
         let why = match flags {
             _ if input.boundaries.open => "open (--open)",
             _ if input.boundaries.periodic.is_some() => "open (--periodic none)",
-            Some(Some(_)) => "open, as the file says",
+            Some(Some(_)) => "open, as in the file",
             Some(None) if vectors.is_some() => {
                 "taken as open: the file does not define whether its box repeats"
             }
@@ -39,7 +39,7 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &
     let axes = lattice.periodic();
     let source = match input.boundaries.periodic {
         Some(_) => " (--periodic)",
-        None if matches!(flags, Some(Some(_))) => ", as the file says",
+        None if matches!(flags, Some(Some(_))) => ", as in the file",
         None => " (--box)",
     };
     let text = format!("the box repeats along {}{source}", along(axes));

@@ -95,8 +95,8 @@ impl Input {
         *self != Input::default()
     }
 
-    /// Returns the scene of a file, or of a generator such as `packed:dim=3,n=1000`, with a periodic
-    /// box if it has one. A file has precedence.
+    /// Returns the scene of a file, or of a generator such as `packed:dim=3,n=1000`, with a
+    /// periodic box if it has one. A file has precedence.
     pub fn given(&self, text: &str) -> anyhow::Result<Given> {
         Ok(self.with_ids(text, false)?.0)
     }

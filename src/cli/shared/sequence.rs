@@ -28,8 +28,8 @@ pub const FRAMES: u64 = 100;
 
 const DRIFT: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
 
-/// Passes at most `frames` frames to `body`. A scene of one frame is moved by `motion`, by default a
-/// drift. A file is read once.
+/// Passes at most `frames` frames to `body`. A scene of one frame is moved by `motion`, by default
+/// a drift. A file is read once.
 pub fn sequence<T>(
     source: &Source,
     motion: Option<Motion>,

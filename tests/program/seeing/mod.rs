@@ -1,6 +1,7 @@
-//! Tests drawings, traces, and pages.
+//! Tests drawings, traces, and pages in a browser.
 
 mod boxes;
+mod browser;
 mod page;
 mod pages;
 mod pictures;

@@ -1,10 +1,11 @@
-//! Tests `report.html`: its values are those of the record, and markup in names is escaped.
+//! Tests `report.html`: its values are those of the record, and its script works in a browser.
 
 use std::path::PathBuf;
 
 use contactbench::record::folder::{copies, seal};
 use serde_json::{Value, json};
 
+use super::browser::Browser;
 use crate::common::Place;
 
 /// A detector's name that would run a script if it were not escaped.
@@ -109,4 +110,41 @@ fn a_page_has_every_result_and_takes_nothing_for_markup() {
     let (_, legend) = page.split_once("data-colour=\"").unwrap();
     let colour = legend.split('"').next().unwrap();
     assert!(page.contains(&format!("stroke=\"{colour}\"")), "{colour}");
+}
+
+#[test]
+fn the_page_sorts_filters_and_highlights_in_a_browser() {
+    let at = Place::new();
+    let page = report(&at);
+    let Some(browser) = Browser::open(1280, 1000) else { return };
+    browser.show(&page);
+    assert_eq!(browser.run("return window.evil ?? null"), Value::Null);
+    let count = |css: &str| -> usize {
+        browser.get(&format!("return document.querySelectorAll({css:?}).length"))
+    };
+    assert_eq!((count("figure svg"), count(".results tbody tr")), (1, 64));
+    let column = "td:nth-child(5)";
+    let times = || -> Vec<String> {
+        browser.get(&format!(
+            "return [...document.querySelectorAll('.results tbody {column}')].map((it) => \
+             it.textContent)"
+        ))
+    };
+    for sign in [1.0, -1.0] {
+        browser.click(".results th:nth-child(5) button");
+        let numbers = times().into_iter().map_while(|text| text.parse::<f64>().ok());
+        let numbers: Vec<f64> = numbers.map(|time| sign * time).collect();
+        assert!(numbers.len() == 60 && numbers.is_sorted(), "{numbers:?}");
+    }
+    browser.keys("#words", "nbs exact packed");
+    assert_eq!((count(".results tbody tr"), browser.text("#count")), (6, " 6 of 64 rows".into()));
+    browser.run("location.reload()");
+    assert_eq!(count(".results tbody tr"), 6, "the address keeps the filter");
+    browser.click(".who button:nth-child(2)");
+    assert_eq!(count(".results tr.chosen"), 6);
+    let faded = count("figure svg .faded");
+    assert!(faded > 0 && faded < count("figure svg *"));
+    browser.click(".who button:nth-child(2)");
+    assert_eq!((count(".faded"), count(".chosen")), (0, 0));
+    assert_eq!(browser.log(), [""; 0]);
 }

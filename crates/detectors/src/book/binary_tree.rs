@@ -15,10 +15,10 @@
 //!   size.
 //! * Refuses 2^31 or more cells along an axis, and trees over the memory limit. The second refusal
 //!   comes while the tree is being built.
-//! * Deviations from the book: cells are wider by 4 parts in a million ([`contactbench_ground::filter::cells`]);
-//!   leaves are visited in the order of the tree, not of the particles; the tree is rebuilt for
-//!   each detection (the variant that moves only particles that left their leaf needs moving
-//!   scenes).
+//! * Deviations from the book: cells are wider by 4 parts in a million
+//!   ([`contactbench_ground::filter::cells`]); leaves are visited in the order of the tree, not of
+//!   the particles; the tree is rebuilt for each detection (the variant that moves only particles
+//!   that left their leaf needs moving scenes).
 
 use super::list::{EMPTY, Links};
 use super::mask;

@@ -23,12 +23,12 @@
 //!   (3.80), for N particles and nx, ny, nz cells per axis, two empty border cells included.
 //!   Integerised coordinates are not stored but computed where they are needed.
 //! * Refuses scenes whose lists exceed the memory limit, and more than 2^31 - 1 particles.
-//! * Deviations from the book: cells are wider by 4 parts in a million ([`contactbench_ground::filter::cells`]);
-//!   the highest bit marks old heads instead of an added N; particles count from 0; the links of
-//!   one particle are adjacent instead of in arrays X and Y; removal computes integerised
-//!   coordinates again, which the book keeps. The book takes a row where the loop over particles
-//!   finds it; this code continues with the row above, whose row below is then still in the caches.
-//!   In 3D layers and rows are both taken upwards in this way.
+//! * Deviations from the book: cells are wider by 4 parts in a million
+//!   ([`contactbench_ground::filter::cells`]); the highest bit marks old heads instead of an added
+//!   N; particles count from 0; the links of one particle are adjacent instead of in arrays X and
+//!   Y; removal computes integerised coordinates again, which the book keeps. The book takes a row
+//!   where the loop over particles finds it; this code continues with the row above, whose row
+//!   below is then still in the caches. In 3D layers and rows are both taken upwards in this way.
 
 use super::list::{EMPTY, Heads, Links};
 use contactbench_ground::contact::Bodies;

@@ -10,9 +10,10 @@
 //!   cells per axis, two empty border cells included. Nothing is cached.
 //! * Suits dense packings only, because the array grows with the volume of the domain. Refuses
 //!   scenes over the memory limit, and more than 2^31 - 1 particles.
-//! * Deviations from the book: cells are wider by 4 parts in a million ([`contactbench_ground::filter::cells`]);
-//!   the highest bit marks old heads instead of an added N; particles count from 0. The array is
-//!   kept between detections and replaced if the domain needs a larger one.
+//! * Deviations from the book: cells are wider by 4 parts in a million
+//!   ([`contactbench_ground::filter::cells`]); the highest bit marks old heads instead of an added
+//!   N; particles count from 0. The array is kept between detections and replaced if the domain
+//!   needs a larger one.
 
 use super::list::{Heads, Links};
 use super::mask;

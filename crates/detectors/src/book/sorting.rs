@@ -12,10 +12,10 @@
 //!   compares one integer in the sort and all D integers in a search.
 //! * Memory: `4N(D + 1)` bytes in D dimensions, the least of all. Nothing is cached.
 //! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit.
-//! * Deviations from the book: cells are wider by 4 parts in a million ([`contactbench_ground::filter::cells`]);
-//!   the mask cells are searched once per occupied cell, not once per particle; min and max of a
-//!   part are bounds of its values, not extremes; if (min + max) / 2 is min, mid is max, because
-//!   otherwise the partition would not end.
+//! * Deviations from the book: cells are wider by 4 parts in a million
+//!   ([`contactbench_ground::filter::cells`]); the mask cells are searched once per occupied cell,
+//!   not once per particle; min and max of a part are bounds of its values, not extremes; if (min +
+//!   max) / 2 is min, mid is max, because otherwise the partition would not end.
 
 use super::mask;
 use contactbench_ground::contact::Bodies;

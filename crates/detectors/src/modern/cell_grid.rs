@@ -17,7 +17,8 @@
 //! * Threads share the rows of the second step and collect contacts, 8 bytes each, in arrays of at
 //!   most twice the length needed, under the same limit.
 //! * Deviations from the sources: cells are wider by 4 parts in a million
-//!   ([`contactbench_ground::filter::cells`]); the second pass of the sort computes the cells of particles again.
+//!   ([`contactbench_ground::filter::cells`]); the second pass of the sort computes the cells of
+//!   particles again.
 
 use std::ops::Range;
 

@@ -18,9 +18,9 @@
 //!   power of two of at least N.
 //! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit.
 //! * Deviations from the sources: cells are wider by 4 parts in a million
-//!   ([`contactbench_ground::filter::cells`]); bricks instead of cells are hashed, so that neighbours in space
-//!   are mostly adjacent in memory, which the sources achieve by a sort along a space-filling
-//!   curve; no pair is found twice, so duplicates need no removal.
+//!   ([`contactbench_ground::filter::cells`]); bricks instead of cells are hashed, so that
+//!   neighbours in space are mostly adjacent in memory, which the sources achieve by a sort along a
+//!   space-filling curve; no pair is found twice, so duplicates need no removal.
 
 use contactbench_ground::contact::Bodies;
 use contactbench_ground::detect::copies::{

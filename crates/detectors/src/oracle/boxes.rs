@@ -18,8 +18,8 @@
 //!
 //! **Rounded.** The result of a rounded test depends on rounded images. The truth is therefore that
 //! of the open scene of particles and images that detectors get
-//! ([`contactbench_lists::periodic::images`]), as stored. [`truth_as_stored`] decides the same stored
-//! scene exactly.
+//! ([`contactbench_lists::periodic::images`]), as stored. [`truth_as_stored`] decides the same
+//! stored scene exactly.
 
 use crate::oracle;
 pub use crate::oracle::BRUTE_FORCE;

@@ -135,7 +135,7 @@ pub static TABLE: &[Entry] = &[
     Entry {
         name: "hgrid",
         group: Group::Modern,
-        summary: "a hashed grid for every class of sizes, large bodies searched in the fine grids",
+        summary: "a hashed grid for every class of sizes, large particles searched in the fine grids",
         cost: "N in each level, whatever the ratio of sizes",
         memory: "4(C + N) + 44S + 24N in 2D, 48S + 32N in 3D; S strips of 8 cells, C slots",
         limits: "cells per axis < 2^31 where particles crowd; the memory limit",

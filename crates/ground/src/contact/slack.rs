@@ -8,11 +8,12 @@
 //! * Exact test: R = ri + rj <= 2·rmax. Doubling is exact, or overflows to infinity, which is a
 //!   bound, too.
 //! * Rounded test in a precision with unit v = [`Real::UNIT`]: differences have a relative error of
-//!   at most v, squares and sums v each. Products may underflow by η, half the smallest subnormal. A pair is accepted only
-//!   if d²(1-v)^7 - 4η <= s²(1+v)^3 + η, hence d <= s(1 + 5v + O(v²)) + 3√η, which is below s(1 +
-//!   5.5v) + 3√η. [`Slack::reach`] returns 2·rmax(1 + 8v) + 4√η; the difference covers its own
-//!   rounding. If (2·rmax)² overflowed, the rounded test would accept everything: such scenes are
-//!   refused ([`Refusal::Overflow`](crate::limits::refusal::Refusal::Overflow)).
+//!   at most v, squares and sums v each. Products may underflow by η, half the smallest subnormal.
+//!   A pair is accepted only if d²(1-v)^7 - 4η <= s²(1+v)^3 + η, hence d <= s(1 + 5v + O(v²)) +
+//!   3√η, which is below s(1 + 5.5v) + 3√η. [`Slack::reach`] returns 2·rmax(1 + 8v) + 4√η; the
+//!   difference covers its own rounding. If (2·rmax)² overflowed, the rounded test would accept
+//!   everything: such scenes are refused
+//!   ([`Refusal::Overflow`](crate::limits::refusal::Refusal::Overflow)).
 //!
 //! If |xi - xj| > R along any axis, the pair does not touch.
 //!
@@ -28,8 +29,8 @@
 //! 9η. The bounds for reach and acceptance together are the test's [`Slack`].
 //!
 //! **Rounded positions.** If each position is off by at most E, the exact test has a slack of 2E in
-//! this sense, with distances between the rounded positions: see `contactbench_lists::periodic`, which also
-//! bounds what remains after all roundings.
+//! this sense, with distances between the rounded positions: see `contactbench_lists::periodic`,
+//! which also bounds what remains after all roundings.
 
 use crate::scene::Real;
 

@@ -1,7 +1,8 @@
 //! Detectors: algorithms that find the particles that touch.
 //!
 //! A detector owns its parameters and buffers and implements [`Detector`]. [`any::AnyDetector`] is
-//! its object-safe form, implemented once for all detectors, for callers that choose one at run time.
+//! its object-safe form, implemented once for all detectors, for callers that choose one at run
+//! time.
 
 pub mod any;
 pub mod bounds;

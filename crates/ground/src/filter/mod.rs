@@ -44,15 +44,15 @@
 //! decide clear cases from the copies and leave the other pairs to `touch`: [`Near`], by 1 and 5.
 //! So its pairs are those that `touch` accepts, in every arithmetic.
 //!
-//! **7. Lists kept while particles move** (`contactbench_lists::track`). The contact test accepts no pair
-//! farther apart than ri + rj + e, where e = 2·rmax·relative + absolute follows from its [`Slack`]
-//! and is 0 for the exact test. A list with a skin s = 2h holds the pairs that touch, by the exact
-//! test, with each radius enlarged to ri + h + e/2, rounded up. So a pair that is not listed was
-//! farther apart than ri + rj + s + e when the list was built. It is farther apart than ri + rj +
-//! s + e - di - dj after its centres have moved by di and dj on any path. Hence: **while di + dj <=
-//! s for every pair, the listed pairs that the test accepts are all that it accepts.** This also
-//! holds right after the list is built, even for skin 0. A rule is safe if it discards the list
-//! before the inequality fails:
+//! **7. Lists kept while particles move** (`contactbench_lists::track`). The contact test accepts
+//! no pair farther apart than ri + rj + e, where e = 2·rmax·relative + absolute follows from its
+//! [`Slack`] and is 0 for the exact test. A list with a skin s = 2h holds the pairs that touch, by
+//! the exact test, with each radius enlarged to ri + h + e/2, rounded up. So a pair that is not
+//! listed was farther apart than ri + rj + s + e when the list was built. It is farther apart than
+//! ri + rj + s + e - di - dj after its centres have moved by di and dj on any path. Hence: **while
+//! di + dj <= s for every pair, the listed pairs that the test accepts are all that it accepts.**
+//! This also holds right after the list is built, even for skin 0. A rule is safe if it discards
+//! the list before the inequality fails:
 //!
 //! * *top two*: di + dj is at most the sum of the two largest displacements;
 //! * *half skin*: that sum is at most twice the largest displacement;
@@ -67,19 +67,19 @@
 //! storage (1), so nothing else depends on the arithmetic. The inequality concerns numbers as
 //! stored.
 //!
-//! **8. Lists kept in a periodic box** whose vectors H stay (`contactbench_lists::track`; exact tests). A list
-//! has all triples (i, j, S) whose particles, i and the image of j by S·H, were at most ri + rj + s +
-//! E apart when it was built; then particles were at y. In a frame, let z = x + W·H be the position
-//! of a particle for any integers W: triples of z are those of x with another S. Let d be the
-//! displacement of z from y. For every S
+//! **8. Lists kept in a periodic box** whose vectors H stay (`contactbench_lists::track`; exact
+//! tests). A list has all triples (i, j, S) whose particles, i and the image of j by S·H, were at
+//! most ri + rj + s + E apart when it was built; then particles were at y. In a frame, let z = x +
+//! W·H be the position of a particle for any integers W: triples of z are those of x with another
+//! S. Let d be the displacement of z from y. For every S
 //!
 //! ```text
 //! zi - zj - S·H  =  (yi - yj - S·H)  +  (zi - yi)  -  (zj - yj)
 //! ```
 //!
-//! so a triple that is not listed is farther apart than ri + rj + s + E - di - dj. This exceeds ri +
-//! rj while di + dj <= s + E. So the rules of 7 hold, as long as no two displacements together are
-//! computed too short by more than E. If a vector changes, the list is rebuilt. The sum of the
+//! so a triple that is not listed is farther apart than ri + rj + s + E - di - dj. This exceeds ri
+//! + rj while di + dj <= s + E. So the rules of 7 hold, as long as no two displacements together
+//! are computed too short by more than E. If a vector changes, the list is rebuilt. The sum of the
 //! displacements in each frame concerns z of the same W; *summed* still holds for others, since it
 //! is clamped at the largest displacement from y.
 

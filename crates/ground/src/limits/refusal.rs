@@ -81,7 +81,7 @@ pub enum Refusal {
     /// A particle is so far from its periodic box that its image has no number.
     #[error(
         "particle {particle} is {boxes:e} boxes away from the periodic box along its vector {}, \
-         and images are numbered below 2^29; move the particle into the box, or mend the box",
+         and images are numbered below 2^29; move the particle into the box, or fix the box",
         vector + 1
     )]
     Away { particle: u32, vector: usize, boxes: f64 },

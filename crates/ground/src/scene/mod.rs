@@ -105,14 +105,14 @@ pub fn extremes<T: Copy + PartialOrd>(n: usize, at: impl Fn(usize) -> T) -> Opti
 pub enum SceneError {
     /// A coordinate is NaN or infinite.
     #[error(
-        "particle {index}: {axis} is {value}; coordinates must be finite numbers: remove or mend \
+        "particle {index}: {axis} is {value}; coordinates must be finite numbers: remove or fix \
          the particle"
     )]
     Coordinate { index: usize, axis: &'static str, value: f64 },
     /// A radius is NaN, infinite or negative.
     #[error(
         "particle {index}: the radius is {value}; radii must be finite and not negative: remove \
-         or mend the particle"
+         or fix the particle"
     )]
     Radius { index: usize, value: f64 },
     /// The radius that all particles share is NaN, infinite or negative.

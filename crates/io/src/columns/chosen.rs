@@ -40,7 +40,8 @@ const KEYS: [(&str, Column); 6] = [
     ("id", Column::Id),
 ];
 
-/// A name or value. Options are copied often, so each different word is stored once and never freed.
+/// A name or value. Options are copied often, so each different word is stored once and never
+/// freed.
 pub type Word = &'static str;
 
 static WORDS: Mutex<BTreeSet<Word>> = Mutex::new(BTreeSet::new());

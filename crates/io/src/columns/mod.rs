@@ -58,7 +58,7 @@ impl Column {
     }
 }
 
-/// Names beside which r or d is no size: colours, bands of light, and positions in the sky.
+/// Names beside which r or d is not a size: colours, bands of light, and positions in the sky.
 const BESIDE: [(&[&str], &[&str]); 3] =
     [(&["r"], &["g"]), (&["r"], &["b", "v"]), (&["r", "d"], &["ra", "dec"])];
 

@@ -17,7 +17,7 @@ const AXES: [[&str; 3]; 4] = [["x", "y", "z"], ["a", "b", "c"], ["0", "1", "2"],
 /// Columns of whole numbers that are known not to be images.
 const HARMLESS: &str = "index type ptype ntype patom natom id";
 
-const REMEDY: &str = "; name the columns of the two particles with --pairs-columns I,J, or mend \
+const REMEDY: &str = "; name the columns of the two particles with --pairs-columns I,J, or fix \
                       the line";
 
 #[derive(Clone, Debug, PartialEq)]

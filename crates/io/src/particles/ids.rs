@@ -20,7 +20,7 @@ impl Particles {
             ordered(ids, &order)?;
         }
         if let Some(two) = ids.windows(2).find(|two| two[0] == two[1]) {
-            bail!("the id {} stands twice; mend it, or leave the column out", two[0]);
+            bail!("the id {} stands twice; fix it, or leave the column out", two[0]);
         }
         Ok(())
     }

@@ -137,8 +137,9 @@ impl Particles {
         Ok(())
     }
 
-    /// Returns which of the columns without names, the first or the last, holds 0, 1, 2, ... or 1, 2,
-    /// 3, ... and so seems to number the particles, as in the published data of Finney's packing.
+    /// Returns which of the columns without names, the first or the last, holds 0, 1, 2, ... or 1,
+    /// 2, 3, ... and so seems to number the particles, as in the published data of Finney's
+    /// packing.
     pub(crate) fn numbered_column(&self) -> Option<&'static str> {
         let n = self.len();
         let counts = |value: &dyn Fn(usize) -> f64| {
@@ -169,7 +170,8 @@ impl Particles {
         *source = RadiusSource::Given;
     }
 
-    /// Makes discs of spheres with z = 0, if `dim` is 2. Other changes of the dimension are refused.
+    /// Makes discs of spheres with z = 0, if `dim` is 2. Other changes of the dimension are
+    /// refused.
     pub(crate) fn in_dim(&mut self, dim: Option<u32>) -> anyhow::Result<()> {
         let fits = dim != Some(3) || self.dim() == 3;
         ensure!(fits, "the points have x and y only, and cannot be read as 3D: add a column z");

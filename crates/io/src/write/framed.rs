@@ -132,8 +132,8 @@ pub fn of_file(error: anyhow::Error, path: &Path) -> anyhow::Error {
 }
 
 /// Writes to a file whose ending gives the format, `.csv` or `.npy`; without a path, writes CSV to
-/// standard output. Rows contain their frame if `numbered`. The file is replaced only when complete;
-/// see [`whole`].
+/// standard output. Rows contain their frame if `numbered`. The file is replaced only when
+/// complete; see [`whole`].
 pub fn framed<T>(
     path: Option<&Path>,
     numbered: bool,

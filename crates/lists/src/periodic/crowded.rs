@@ -36,8 +36,9 @@ pub fn is_small<const D: usize>(made: &Made<'_, D>) -> bool {
 }
 
 /// Refuses a scene whose contacts with images will almost certainly take more than `limit` bytes,
-/// estimated from a sample of pairs, and only in small boxes. [`contactbench_ground::limits::crowd::within`] does the
-/// same for contacts without images. Fails with [`Refusal::Crowd`].
+/// estimated from a sample of pairs, and only in small boxes.
+/// [`contactbench_ground::limits::crowd::within`] does the same for contacts without images. Fails
+/// with [`Refusal::Crowd`].
 pub fn within<const D: usize>(made: &Made<'_, D>, limit: u64) -> Result<(), Refusal> {
     let (n, images) = (u64::from(made.particles()), made.ghosts());
     let (pairs, most) = (n as f64 * images as f64, (limit / IMAGE_PAIR_BYTES) as f64);

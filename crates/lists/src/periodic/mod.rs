@@ -2,8 +2,8 @@
 //!
 //! * **The test** is exact for the given numbers: the sign of |xi - xj - S·H|² - (ri + rj)² is
 //!   computed by exact arithmetic ([`contactbench_ground::contact::image`]). It never uses a
-//!   coordinate of an image, which may not fit a double. So the contacts do not depend on which image
-//!   of a particle or which vectors of the lattice a file contains.
+//!   coordinate of an image, which may not fit a double. So the contacts do not depend on which
+//!   image of a particle or which vectors of the lattice a file contains.
 //! * **The search:** every image that can matter becomes another body of an open scene
 //!   ([`images`]). A [`Finder`] searches it with any detector, keeps its buffers, and is what is
 //!   timed. Boxes may be smaller than the reach, skewed, tilted by many box lengths, and open along

@@ -3,10 +3,10 @@
 //! A list in a box holds triples (i, j, S): particle i near the image of j shifted by S box
 //! vectors. In a later frame a particle may be given by another image, because it left through one
 //! face and entered through the opposite one. An integer shift W then brings it near the position
-//! where it would be without that jump. The choice of W affects
-//! how long the list serves, never the contacts. For the given positions (i, j, S) means (i, j, S +
-//! Wj - Wi), which is decided exactly. [`contactbench_ground::filter`], section 8, proves that no contact is
-//! missed. If a vector of the box changes, the list is rebuilt.
+//! where it would be without that jump. The choice of W affects how long the list serves, never the
+//! contacts. For the given positions (i, j, S) means (i, j, S + Wj - Wi), which is decided exactly.
+//! [`contactbench_ground::filter`], section 8, proves that no contact is missed. If a vector of the
+//! box changes, the list is rebuilt.
 
 use nalgebra::Point;
 

@@ -3,8 +3,8 @@
 //! In a simulation particles move a little between detections. Codes therefore keep a list of all
 //! nearly touching pairs, the *Verlet list* (Verlet 1967, doi:10.1103/PhysRev.159.98), and test
 //! only those pairs until some particle has moved too far. A [`Rule`] determines how long a list is
-//! used. [`contactbench_ground::filter`] proves which rules are safe, in section 7 and for periodic boxes in
-//! section 8.
+//! used. [`contactbench_ground::filter`] proves which rules are safe, in section 7 and for periodic
+//! boxes in section 8.
 //!
 //! A tracker uses any detector of the table. For each frame it returns what the detector would: the
 //! pairs that the contact test accepts. The result is complete if the rule is safe, and can be
@@ -102,7 +102,8 @@ pub fn every_step(detector: Box<dyn AnyDetector>) -> Box<dyn Tracker> {
 }
 
 /// Returns a tracker that keeps a list of near pairs. Its lists may take the memory limit of the
-/// detector, which may take as much again. Whether the detector is `fast` affects an automatic skin.
+/// detector, which may take as much again. Whether the detector is `fast` affects an automatic
+/// skin.
 pub fn verlet(
     detector: Box<dyn AnyDetector>,
     fast: bool,

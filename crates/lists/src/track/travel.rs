@@ -3,10 +3,10 @@
 /// Returns an upper bound of a distance in up to three dimensions from its computed square, Σ
 /// fl(fl(x - y)²). The bound is never 0.
 ///
-/// The true square is at most (1 + 8u) times the computed one plus 2^-1072 ([`contactbench_ground::filter`],
-/// section 5), where u = 2^-53. The code takes the root of (1 + 16u) times the computed square plus
-/// 2^-960. This is larger, because its two roundings take less than the other 8u. `sqrt` rounds
-/// correctly, so the next double is above the true root.
+/// The true square is at most (1 + 8u) times the computed one plus 2^-1072
+/// ([`contactbench_ground::filter`], section 5), where u = 2^-53. The code takes the root of (1 +
+/// 16u) times the computed square plus 2^-960. This is larger, because its two roundings take less
+/// than the other 8u. `sqrt` rounds correctly, so the next double is above the true root.
 pub(super) fn at_most(square: f64) -> f64 {
     const BAND: f64 = 16.0 / (1u64 << 53) as f64;
     const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);

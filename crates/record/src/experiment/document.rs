@@ -2,8 +2,8 @@
 //!
 //! In a file, the keys of a claim or figure stand beside its `kind`, and parameters of a generator
 //! beside the name of the scene. Before serde reads them, they move into tables: keys of a kind
-//! into `{ kind = { equal = { .. } } }`, parameters into `params`. In the place of a list, `3` means
-//! `[3]`; `1e6` is a whole number.
+//! into `{ kind = { equal = { .. } } }`, parameters into `params`. In the place of a list, `3`
+//! means `[3]`; `1e6` is a whole number.
 
 use std::borrow::Cow;
 use std::ops::Range;

@@ -1,5 +1,5 @@
-//! Checks that rows of one scene have one scene hash and one digest, and that their ids are valid. A
-//! record with a fault is refused.
+//! Checks that rows of one scene have one scene hash and one digest, and that their ids are valid.
+//! A record with a fault is refused.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;

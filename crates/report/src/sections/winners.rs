@@ -95,12 +95,15 @@ fn undecided_all(contests: &[Contest]) -> String {
             format!("Undecided in {scenes} of {scenes} scenes: {blocks} of the 5 blocks needed.")
         }
         _ => {
-            format!("Undecided in {scenes} of {scenes} scenes; the last column says between whom.")
+            format!(
+                "Undecided in {scenes} of {scenes} scenes; the last column names the detectors."
+            )
         }
     }
 }
 
-/// Returns the table of these scenes, with ratios of first detections if `cold` and if there are any.
+/// Returns the table of these scenes, with ratios of first detections if `cold` and if there are
+/// any.
 pub fn table(contests: &[&Contest], cold: bool, time: fn(f64) -> String) -> Table {
     fn next(contest: &Contest) -> Option<&RankedSubject> {
         contest.others.first()

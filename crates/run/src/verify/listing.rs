@@ -40,7 +40,7 @@ impl Naming {
             if let Some(earlier) = places.insert(id, k as u32) {
                 bail!(
                     "the id {id} stands twice in the file, at particles {earlier} and {k} (from \
-                     0); mend it, or give --base"
+                     0); fix it, or give --base"
                 );
             }
         }

@@ -141,7 +141,7 @@ impl<'a, 'b> Paired<'a, 'b> {
     fn step(&mut self, about: &About) -> anyhow::Result<i64> {
         let name = self.names[0];
         let Some(step) = about.step else {
-            bail!("{name}: {} has no time step, and those before it have; mend it", about.which())
+            bail!("{name}: {} has no time step, and those before it have; fix it", about.which())
         };
         if let Some(last) = self.last.replace(step) {
             ensure!(

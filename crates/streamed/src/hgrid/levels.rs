@@ -192,7 +192,7 @@ impl<const D: usize> Levels<D> {
     #[inline(always)]
     pub fn at(&self, class: usize) -> (&Level<D>, &Cells<D>) {
         let level = &self.levels[class];
-        let Some(cells) = &level.cells else { unreachable!("a level with bodies has cells") };
+        let Some(cells) = &level.cells else { unreachable!("a level with particles has cells") };
         (level, cells)
     }
 

@@ -10,8 +10,8 @@
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 //!
-//! The detectors report their steps as events ([`contactbench_ground::probe::event`]) to a [`recorder`], a
-//! probe that also counts their operations.
+//! The detectors report their steps as events ([`contactbench_ground::probe::event`]) to a
+//! [`recorder`], a probe that also counts their operations.
 //!
 //! * [`state`]: contents of the arrays; `words`: a sentence for each step.
 //! * `picture`, `arrays`: scene and arrays of a step as SVG; [`page`]: all steps as one HTML page.

@@ -1,5 +1,5 @@
-//! All steps as one self-contained HTML page, controlled by keys, a presenter, buttons or a bar. The
-//! pictures are drawn here; the page's script only exchanges them. Each part that several steps
+//! All steps as one self-contained HTML page, controlled by keys, a presenter, buttons or a bar.
+//! The pictures are drawn here; the page's script only exchanges them. Each part that several steps
 //! share is stored once.
 
 use std::collections::HashMap;

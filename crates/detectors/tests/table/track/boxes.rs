@@ -174,7 +174,8 @@ fn lists_serve_as_long_for_any_image_of_a_particle() {
     assert!((2..8).contains(&built[0]), "{built:?}");
 }
 
-/// A single sphere in a box that is compressed until it touches its own images: the list is rebuilt.
+/// A single sphere in a box that is compressed until it touches its own images: the list is
+/// rebuilt.
 #[test]
 fn a_box_that_moves_makes_contacts_of_particles_at_rest() {
     let frame = |k: u32| {

@@ -25,12 +25,12 @@ pub struct Lattice {
 #[allow(missing_docs)] // the fields are explained by the messages
 pub enum LatticeError {
     /// A number of the box is NaN or infinite.
-    #[error("the box has a number {value}; vectors and corner must be finite: mend the box")]
+    #[error("the box has a number {value}; vectors and corner must be finite: fix the box")]
     Finite { value: f64 },
     /// A periodic vector is zero or, up to rounding, a combination of the other ones.
     #[error(
         "the periodic vectors of the box enclose nothing: the distance of its faces along vector \
-         {} is {}; mend the box, or make that axis open",
+         {} is {}; fix the box, or make that axis open",
         vector + 1, shown(*height)
     )]
     Flat { vector: usize, height: f64 },
@@ -249,7 +249,7 @@ mod tests {
             assert!(of(edges, [true, false, true]).is_ok());
         }
         let flat = of([[0.0; 3]; 3], [true, false, false]).unwrap_err().to_string();
-        assert!(flat.contains("along vector 1 is 0; mend"), "{flat}");
+        assert!(flat.contains("along vector 1 is 0; fix"), "{flat}");
         let bad = [[f64::NAN, 0.0, 0.0], [0.0; 3], [0.0; 3]];
         assert!(matches!(of(bad, [false; 3]), Err(LatticeError::Finite { .. })));
         let out = [[1.0, 0.0, 0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -105,7 +105,7 @@ fn edges_of(text: &str, options: Options) -> anyhow::Result<Option<[f64; 3]>> {
             Ok(Some([x, y, z]))
         }
         _ if boundaries.replace_box() => Ok(None),
-        _ => bail!("the three edges of the box are expected; mend them, or give --box or --open"),
+        _ => bail!("the three edges of the box are expected; fix them, or give --box or --open"),
     }
 }
 

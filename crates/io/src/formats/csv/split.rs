@@ -152,7 +152,7 @@ impl Split {
             let sound = !cell.is_empty() && number(cell).is_none_or(f64::is_finite);
             ensure!(
                 sound,
-                "{place}: column '{name}': '{found}' is no frame or time; give --columns frame=none"
+                "{place}: column '{name}': '{found}' is not a frame or a time; give --columns frame=none"
             );
             (self.value, self.rows) = (cell.to_vec(), 1);
             for (k, value) in self.beside.iter_mut().flatten() {

@@ -101,7 +101,7 @@ fn bounds(lines: &mut Lines<'_>, kind: &str, boundaries: Boundaries) -> anyhow::
     ensure!(
         sound,
         "{lines}: the boundaries of the box are '{flags}', not pp or two of the letters f, s and m for \
-         each axis; mend the line, or give --periodic or --open"
+         each axis; fix the line, or give --periodic or --open"
     );
     let mut rows = [[0.0; 4]; 3];
     for row in &mut rows {
@@ -110,7 +110,7 @@ fn bounds(lines: &mut Lines<'_>, kind: &str, boundaries: Boundaries) -> anyhow::
         let count = cells.len();
         ensure!(
             count == columns || overruled && count > columns,
-            "{place}: numbers of the box: {count}, where {columns} are expected ({what}); mend it, or \
+            "{place}: numbers of the box: {count}, where {columns} are expected ({what}); fix it, or \
              give --open"
         );
         for (k, (value, cell)) in row.iter_mut().zip(&cells[..columns]).enumerate() {

@@ -116,8 +116,8 @@ impl Target {
         Ok(())
     }
 
-    /// Takes big-endian numbers; returns false if the file is too short. They are read in blocks, so
-    /// that a false header cannot reserve memory.
+    /// Takes big-endian numbers; returns false if the file is too short. They are read in blocks,
+    /// so that a false header cannot reserve memory.
     pub fn take(
         &mut self,
         source: &mut Source<'_>,

@@ -135,7 +135,7 @@ impl Vtk<'_> {
                 self.array(Target::Nothing, kind, 4 * n, "LOOKUP_TABLE")?;
             }
             _ => bail!(
-                "{}: '{}' is no part of a VTK file; is the length of an array before it wrong?",
+                "{}: '{}' is not part of a VTK file; is the length of an array before it wrong?",
                 self.lines.place(),
                 short(&self.lines.text())
             ),

@@ -51,7 +51,7 @@ impl Comment {
             let (first, second) = (same.next(), same.next());
             ensure!(
                 first.is_some(),
-                "{key} stands within the value of another key: mend the quotes"
+                "{key} stands within the value of another key: fix the quotes"
             );
             if let Some(second) = second {
                 bail!("column {}: {key} stands there twice; remove one", second.column);
@@ -224,7 +224,7 @@ impl Pair {
             Some(&[x, y]) if dim == 2 => Ok([x, y, false]),
             Some(&[all]) => Ok([all; 3]),
             _ => self.wrong(
-                "T or F for each vector, as in pbc=\"T T F\"; mend the line, or give --periodic or \
+                "T or F for each vector, as in pbc=\"T T F\"; fix the line, or give --periodic or \
                  --open",
             ),
         }
@@ -239,7 +239,7 @@ impl Pair {
         };
         match numbers.filter(fits) {
             Some(numbers) => Ok(numbers),
-            None => self.wrong(&format!("{what}; mend the line, or give --open")),
+            None => self.wrong(&format!("{what}; fix the line, or give --open")),
         }
     }
 

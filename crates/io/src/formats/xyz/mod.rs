@@ -89,7 +89,7 @@ fn maybe_box(line: &str) -> Option<Notice> {
 }
 
 const ROWS: &str = "particles that the frame's first line announces: it is cut off, or still being \
-                    written; mend the number or the file";
+                    written; fix the number or the file";
 
 fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Loaded> {
     // A file with 0 particles may end before its comment line.
@@ -113,7 +113,7 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
         let first = shown(first);
         ensure!(
             named,
-            "{lines}: '{first}' is no species; assign the columns: --columns x=1,y=2,z=3,r=4"
+            "{lines}: '{first}' is not a species; assign the columns: --columns x=1,y=2,z=3,r=4"
         );
         let many = words(line).count() > rows.columns.names.len();
         ensure!(

@@ -23,7 +23,8 @@ pub fn ring(canvas: &mut Canvas, (x, y): Point) {
     canvas.line(&points, INK, 1.8);
 }
 
-/// Draws the shape of an arithmetic. Arithmetics that decide alike (textbook and f64) have shapes that differ even if they overlap.
+/// Draws the shape of an arithmetic. Arithmetics that decide alike (textbook and f64) have shapes
+/// that differ even if they overlap.
 pub fn shape(canvas: &mut Canvas, (x, y): Point, r: f64, arithmetic: &str, colour: Colour) {
     match arithmetic {
         "f32" => canvas.cross(slanted((x, y), r), colour),
