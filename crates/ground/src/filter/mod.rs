@@ -77,8 +77,8 @@
 //! zi - zj - S·H  =  (yi - yj - S·H)  +  (zi - yi)  -  (zj - yj)
 //! ```
 //!
-//! so a triple that is not listed is farther apart than ri + rj + s + E - di - dj. This exceeds ri
-//! + rj while di + dj <= s + E. So the rules of 7 hold, as long as no two displacements together
+//! so a triple that is not listed is farther apart than ri + rj + s + E - di - dj. This exceeds
+//! ri + rj while di + dj <= s + E. So the rules of 7 hold, as long as no two displacements together
 //! are computed too short by more than E. If a vector changes, the list is rebuilt. The sum of the
 //! displacements in each frame concerns z of the same W; *summed* still holds for others, since it
 //! is clamped at the largest displacement from y.

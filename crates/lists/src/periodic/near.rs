@@ -28,8 +28,8 @@
 //!
 //! **Rounded positions.** Detectors use rounded positions in exact arithmetic: every particle and
 //! image is within E of its true position, with E now for the largest T. Distances of rounded and
-//! true positions differ by at most 2E. So pairs at most s - 2E apart touch, and pairs more than s
-//! + 2E apart do not, where s is the sum of the radii: a [`Slack`] of 2E. The code uses 2E(1 +
+//! true positions differ by at most 2E. So pairs at most s - 2E apart touch, and pairs more than
+//! s + 2E apart do not, where s is the sum of the radii: a [`Slack`] of 2E. The code uses 2E(1 +
 //! 1/16), and a relative part of 8u for the roundings of code that uses the slack: at most four of
 //! them, in s and in the bound itself (`half` in the copies of detectors has three,
 //! [`Near`](contactbench_ground::filter::Near) four). Pairs between the two bounds are decided from
