@@ -95,7 +95,7 @@ fn wrong(cell: &Cell) -> Option<u64> {
     cell.errors.map(|errors| errors.wrong()).filter(|&wrong| wrong > 0)
 }
 
-pub(crate) fn operations(cell: &Cell) -> f64 {
+fn operations(cell: &Cell) -> f64 {
     let counted = Column::measured_by(Pass::Count);
     counted.filter_map(|column| cell.variable(&column.name, None)).sum()
 }

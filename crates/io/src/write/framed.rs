@@ -113,8 +113,9 @@ impl Form {
 #[inline]
 fn put(out: &mut Vec<u8>, form: Form, number: Number) {
     match (form, number) {
-        (Form::Text, Number::Whole(whole)) => out.extend(format!("{whole},").bytes()),
-        (Form::Text, Number::Real(real)) => out.extend(format!("{real:?},").bytes()),
+        // Writing to a Vec cannot fail.
+        (Form::Text, Number::Whole(whole)) => _ = write!(out, "{whole},"),
+        (Form::Text, Number::Real(real)) => _ = write!(out, "{real:?},"),
         // The low 32 bits are the same for signed and unsigned numbers.
         (Form::U4 | Form::I4, Number::Whole(whole)) => out.extend((whole as u32).to_le_bytes()),
         (Form::I8, Number::Whole(whole)) => out.extend(whole.to_le_bytes()),

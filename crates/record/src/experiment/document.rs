@@ -2,8 +2,8 @@
 //!
 //! In a file, the keys of a claim or figure stand beside its `kind`, and parameters of a generator
 //! beside the name of the scene. Before serde reads them, they move into tables: keys of a kind
-//! into `{ kind = { equal = { .. } } }`, parameters into `params`. In the place of a list, `3`
-//! means `[3]`; `1e6` is a whole number.
+//! into `{ kind = { equal = { .. } } }`, parameters into `params`. Instead of a list, a file
+//! may have one value: `3` means `[3]`. `1e6` is a whole number.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -179,7 +179,7 @@ fn whole(value: &mut Spanned<DeValue<'_>>) {
         DeValue::Table(table) => table.iter_mut().for_each(|(_, value)| whole(value)),
         DeValue::Array(all) => all.iter_mut().for_each(whole),
         DeValue::Float(number) => {
-            let exact = |x: &f64| x.fract() == 0.0 && x.abs() <= (1u64 << 53) as f64;
+            let exact = |x: &f64| x.fract() == 0.0 && x.abs() < (1u64 << 53) as f64;
             if let Some(number) = number.as_str().parse().ok().filter(exact) {
                 // The value borrows its text; the few bytes of such a number are never freed.
                 let text: &str = number.to_string().leak();

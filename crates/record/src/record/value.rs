@@ -14,7 +14,7 @@ pub enum AxisValue {
     Text(String),
 }
 
-/// Whole numbers up to this are exact as f64.
+/// Whole numbers of a magnitude below this are exact as f64.
 const EXACT: f64 = (1u64 << 53) as f64;
 
 impl AxisValue {
@@ -120,7 +120,7 @@ impl From<AxisValue> for serde_json::Value {
     fn from(value: AxisValue) -> serde_json::Value {
         match value {
             AxisValue::Bool(value) => value.into(),
-            AxisValue::Number(value) if value.fract() == 0.0 && value.abs() <= EXACT => {
+            AxisValue::Number(value) if value.fract() == 0.0 && value.abs() < EXACT => {
                 (value as i64).into()
             }
             AxisValue::Number(value) => value.into(),
@@ -140,6 +140,11 @@ mod tests {
         assert_eq!(read("0"), read("-0.0"));
         assert_ne!(read("2"), read("\"2\""));
         assert_ne!(read("18446744073709551615"), read("18446744073709551614"));
+        // 2^53 and 2^53 + 1 are the same f64.
+        let beyond =
+            [1 << 53, (1 << 53) + 1].map(|seed: u64| (seed.into(), read(&seed.to_string())));
+        assert!(beyond.iter().all(|(from, read): &(AxisValue, AxisValue)| from == read));
+        assert_ne!(beyond[0], beyond[1]);
         let mut sorted =
             ["\"b\"", "10", "1.5", "true", "-3", "\"a\"", "18446744073709551615"].map(read);
         sorted.sort();

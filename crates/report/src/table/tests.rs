@@ -38,8 +38,8 @@ fn every_language_shows_the_same_and_takes_nothing_for_markup() {
          |  | -x,\"y\" | – | 1.50 (1.25 to 2.00) |\n\
          |  | a; b | wrong (3.200e8) | 50% |\n"
     );
-    let html = table().html("answer");
-    assert!(html.starts_with("<div class=\"scroll\" tabindex=\"0\"><table class=\"answer\">"));
+    let html = table().html("results");
+    assert!(html.starts_with("<div class=\"scroll\" tabindex=\"0\"><table class=\"results\">"));
     for part in [
         "<caption>a_b &amp; c</caption>",
         "<th class=\"number\">time / N (ns)</th>",

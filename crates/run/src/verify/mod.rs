@@ -72,8 +72,9 @@ pub struct Verification {
     /// Listed pairs that do not touch, with their depth in mean radii (negative), the widest gap
     /// first.
     pub spurious: Vec<(ImagePair, f64)>,
-    /// Repeated pairs, and particles listed with themselves, at most `kept` of each.
+    /// Repeated pairs, at most `kept`.
     pub repeated: Vec<ImagePair>,
+    /// Particles that are listed with themselves, at most `kept`.
     pub selves: Vec<ImagePair>,
     /// Pairs listed in one direction only, although both are expected.
     pub one_sided: Vec<NamedPair>,

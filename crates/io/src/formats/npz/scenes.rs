@@ -21,7 +21,7 @@ pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Indexed::<Scenes>::new(source, options))
 }
 
-/// An array whose numbers are kept.
+/// An array of sizes, which is in memory while frames are read.
 struct Array {
     header: Header,
     label: String,
@@ -31,7 +31,7 @@ struct Array {
 #[derive(Default)]
 struct Scenes {
     axes: [Option<Vec<f64>>; 3],
-    /// The points without frames, and the source of their radii.
+    /// Particles of an archive without frames, and the source of their radii.
     whole: Option<(Particles, RadiusSource)>,
     frames: Option<Header>,
     /// Name of the array of points, with or without frames.
