@@ -8,7 +8,7 @@ use contactbench::scene::spec::Spec;
 use contactbench::scene::{AnyScene, Real, Stored};
 use contactbench_detectors::oracle;
 use contactbench_detectors::table::{Entry, Group, PLAIN};
-use contactbench_ground::contact::{Arithmetic, Bodies, Test};
+use contactbench_ground::contact::{Arithmetic, Particles, Test};
 use contactbench_ground::detect::any::{self, Both};
 use contactbench_ground::detect::{Declare, Detector, Options, within};
 use contactbench_ground::filter;
@@ -30,13 +30,14 @@ impl Declare for SweepX {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for SweepX {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let (n, x, order) = (bodies.len() as u32, |i: u32| bodies.position(i)[0], &mut self.1);
+        let (n, x, order) =
+            (particles.len() as u32, |i: u32| particles.position(i)[0], &mut self.1);
         within(&self.0, "sweep-x", 4 * u64::from(n), || format!("{n} particles"))?;
         order.clear();
         order.reserve_exact(n as usize);
@@ -48,10 +49,10 @@ impl<T: Real, const D: usize> Detector<T, D> for SweepX {
         for (k, &i) in order.iter().enumerate() {
             for &j in &order[k + 1..] {
                 probe.count(Op::BoundTest);
-                if filter::beyond(x(i), x(j), bodies.reach()) {
+                if filter::beyond(x(i), x(j), particles.reach()) {
                     break;
                 }
-                if bodies.touch(i, j, probe) {
+                if particles.touch(i, j, probe) {
                     sink.contact(i, j);
                 }
             }

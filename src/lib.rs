@@ -8,7 +8,7 @@
 //!
 //! 1. [`scene`]: generators, and files ([`io`]), give centres and radii.
 //! 2. The crates `contactbench-ground`, `contactbench-streamed`, `contactbench-lists` and
-//!    `contactbench-detectors` find and count contacts; [`moving`] compares neighbour lists of
+//!    `contactbench-detectors` find and count contacts; [`tracking`] compares neighbour lists of
 //!    moving particles with the truth. `contactbench-core` is the published face of the four.
 //! 3. [`mod@check`] compares every detector with the truth on many small scenes.
 //! 4. [`experiment`] reads a TOML file; [`run`] measures each detector in a process of its own and
@@ -40,7 +40,7 @@
 pub use contactbench_io as io;
 pub use contactbench_record::{cells, experiment, findings, record, stats};
 pub use contactbench_report as present;
-pub use contactbench_run::{check, moving, plan, recommend, run};
+pub use contactbench_run::{check, plan, recommend, run, tracking};
 pub use contactbench_scenes as scene;
 pub use contactbench_terms::{grammar, nearest, number, text};
 pub use contactbench_views as views;

@@ -14,7 +14,7 @@ use contactbench_record::experiment::Experiment;
 use contactbench_report::table::Table;
 use contactbench_run::plan::builtin;
 use contactbench_scenes::hard::{self, Case, Expect};
-use contactbench_scenes::motion::Kind;
+use contactbench_scenes::motion::MotionKind;
 use contactbench_scenes::spec::{GENERATORS, Generator, Parameter};
 
 #[derive(clap::Args)]
@@ -55,7 +55,7 @@ impl What {
             What::Detectors => TABLE.iter().map(detector).collect(),
             What::Arithmetics => Arithmetic::ALL.map(|it| summed(it.name(), it.summary())).into(),
             What::Scenes => GENERATORS.iter().map(scene).collect(),
-            What::Motions => Kind::ALL.map(|it| summed(it.name(), it.summary())).into(),
+            What::Motions => MotionKind::ALL.map(|it| summed(it.name(), it.summary())).into(),
             What::Trackers => tracker::FORMS.map(|(form, summary)| summed(form, summary)).into(),
             What::Experiments => builtin::all()?.iter().map(experiment).collect(),
             What::HardCases => hard::cases().map(hard_case).collect(),

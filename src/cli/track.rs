@@ -12,7 +12,7 @@ use contactbench_detectors::oracle::SAMPLE;
 use contactbench_detectors::tracker;
 use contactbench_detectors::tracker::TrackerSpec;
 use contactbench_ground::contact::Arithmetic;
-use contactbench_run::moving::{Check, Question, follow};
+use contactbench_run::tracking::{Check, Question, follow};
 use contactbench_scenes::motion::Motion;
 
 #[derive(clap::Args)]

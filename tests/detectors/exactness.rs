@@ -8,7 +8,7 @@ use contactbench_campaigns::predicate::{integer, squares};
 use contactbench_ground::contact::depth::{depth, depth_of_image};
 use contactbench_ground::contact::exact::{self, Label};
 use contactbench_ground::contact::image::{self, Shift};
-use contactbench_ground::contact::{Bodies, Test, WithBodies, with_bodies};
+use contactbench_ground::contact::{Particles, Test, WithParticles, with_particles};
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::probe::Silent;
 use num_bigint::BigInt;
@@ -34,17 +34,17 @@ fn depth_is_right(depth: f64, distance: &BigInt, reach: &BigInt) -> bool {
 }
 
 struct Touch;
-impl<const D: usize> WithBodies<f64, D> for Touch {
+impl<const D: usize> WithParticles<f64, D> for Touch {
     type Output = Result<bool, Refusal>;
-    fn call<B: Bodies<f64, D>>(self, bodies: B) -> Self::Output {
-        Ok(bodies.touch(0, 1, &mut Silent))
+    fn call<B: Particles<f64, D>>(self, particles: B) -> Self::Output {
+        Ok(particles.touch(0, 1, &mut Silent))
     }
 }
 
 /// Runs the contact test with its filter, as detectors do.
 fn touch<const D: usize>(a: [f64; D], b: [f64; D], radii: impl Into<Radii<'static, f64>>) -> bool {
     let scene = Scene::at([a, b], radii).unwrap();
-    with_bodies(&scene, Test::Exact, Touch).unwrap()
+    with_particles(&scene, Test::Exact, Touch).unwrap()
 }
 
 fn check<const D: usize>(a: [f64; D], b: [f64; D], ra: f64, rb: f64) -> Result<(), TestCaseError> {

@@ -7,10 +7,10 @@ mod exactness;
 mod fuzz;
 mod limits;
 mod metamorphic;
-mod moving;
 mod near_tangent;
 mod regressions;
 mod streamed;
+mod tracking;
 
 use contactbench::scene::AnyScene;
 use contactbench::scene::spec::Spec;

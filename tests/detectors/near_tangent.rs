@@ -3,13 +3,13 @@
 
 use contactbench_campaigns::boxes::{boxes, detectors};
 use contactbench_campaigns::predicate::run as predicate;
-use contactbench_campaigns::{Counts, Plan, Table, What};
+use contactbench_campaigns::{Counts, Plan, Totals, What};
 
 const PLAN: Plan = Plan { pairs: 30_000, seed: 7 };
 
 /// Checks that no row has errors, and that each row has more than `least` overlapping and separate
 /// pairs. Returns the sum of the rows.
-fn right(table: &Table, least: u64) -> Counts {
+fn right(table: &Totals, least: u64) -> Counts {
     assert_eq!(table.errors(), 0, "\n{}", table.text());
     for (row, counts) in &table.0 {
         let seen = [What::Overlap, What::Apart].map(|what| counts.get(what));

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use contactbench::scene::{AnyScene, Scene, Stored};
 use contactbench_detectors::table;
-use contactbench_ground::contact::{Arithmetic, Bodies, Slack, Test, any_bodies};
+use contactbench_ground::contact::{Arithmetic, Particles, Slack, Test, any_particles};
 use contactbench_ground::detect::any::{AnyDetector, Searched, Task};
 use contactbench_ground::detect::{Detector, Options};
 use contactbench_ground::limits::refusal::Refusal;
@@ -184,7 +184,7 @@ fn few_pairs_are_left_to_the_contact_test() {
     let asked_of_contacts = |text: &str| {
         let AnyScene::Space(Stored::F64(scene)) = make(text) else { panic!("{text}") };
         let (asked, mut digest) = (AtomicU64::new(0), Digest::default());
-        let counted = Counted(any_bodies(&scene, Test::Exact).unwrap(), &asked);
+        let counted = Counted(any_particles(&scene, Test::Exact).unwrap(), &asked);
         let mut detector = Streamed::<3>::on(Level::best(), None, Options::default());
         detector.detect(counted, &mut Silent, &mut digest).unwrap();
         (asked.into_inner(), digest.contacts)
@@ -198,7 +198,7 @@ fn few_pairs_are_left_to_the_contact_test() {
 #[derive(Clone, Copy)]
 struct Counted<'a, B>(B, &'a AtomicU64);
 
-impl<B: Bodies<f64, 3>> Bodies<f64, 3> for Counted<'_, B> {
+impl<B: Particles<f64, 3>> Particles<f64, 3> for Counted<'_, B> {
     fn len(&self) -> usize {
         self.0.len()
     }

@@ -36,12 +36,12 @@ struct Worker {
     /// Creates `search` again after a panic, which may leave `search` in an invalid state.
     make: Box<dyn Fn() -> Search + Send>,
     crew: Option<ThreadPool>,
-    answer: Answer,
+    answer: Filled,
 }
 
 /// Contacts in the caller's form.
 #[derive(Default)]
-pub struct Answer {
+pub struct Filled {
     contacts: ContactList,
     /// Images of the pairs in a box: one integer per dimension and pair.
     images: Vec<i32>,
@@ -67,7 +67,7 @@ impl Handle {
         let limit = if limit == 0 { memory::default_limit() } else { limit };
         let crew = if threads == 1 { None } else { Some(pool(threads)?) };
         let make = Box::new(move || make(limit));
-        let worker = Worker { search: make(), make, crew, answer: Answer::default() };
+        let worker = Worker { search: make(), make, crew, answer: Filled::default() };
         Ok(Handle {
             arithmetic,
             limit,
@@ -103,7 +103,7 @@ impl Handle {
     /// Calls `work` with exclusive access to the search.
     pub fn search(
         &self,
-        work: impl FnOnce(&mut Search, &Option<ThreadPool>, &mut Answer) -> Result<(), Failure>,
+        work: impl FnOnce(&mut Search, &Option<ThreadPool>, &mut Filled) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let forked = self.process != std::process::id();
         if forked && self.threads {
@@ -134,7 +134,7 @@ impl Handle {
     }
 
     /// Calls `of` with the answer; returns `None` during a search or after one that panicked.
-    pub fn look<R>(&self, of: impl FnOnce(&Answer) -> R) -> Option<R> {
+    pub fn look<R>(&self, of: impl FnOnce(&Filled) -> R) -> Option<R> {
         let enter = |users| (users < SEARCHING - 1).then(|| users + 1);
         self.users.fetch_update(Ordering::Acquire, Ordering::Relaxed, enter).ok()?;
         // SAFETY: `users` is neither 0 nor `SEARCHING`, so no search begins before this call ends,
@@ -155,7 +155,7 @@ impl Drop for End<'_> {
     }
 }
 
-impl Answer {
+impl Filled {
     fn clear(&mut self) {
         self.contacts.clear();
         self.images.clear();

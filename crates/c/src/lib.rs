@@ -26,7 +26,7 @@ use contactbench_ground::periodic;
 use contactbench_ground::periodic::ImagePair;
 use contactbench_ground::periodic::Loaded;
 use given::{Failure, Given, rows};
-use handle::{Answer, Handle, pool};
+use handle::{Filled, Handle, pool};
 pub use tracker::*;
 
 /// The call succeeded.
@@ -260,7 +260,7 @@ pub unsafe extern "C" fn contactbench_count(detector: *const contactbench_detect
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detector) -> *const u32 {
     // SAFETY: the pointer is null, or a detector that was created and not freed.
-    look(unsafe { detector.as_ref() }.map(|it| &it.0), Answer::pairs_ptr, ptr::null())
+    look(unsafe { detector.as_ref() }.map(|it| &it.0), Filled::pairs_ptr, ptr::null())
 }
 
 /// Returns the images of the pairs in a box: dim integers each. The first particle touches the
@@ -272,11 +272,11 @@ pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detect
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_images(detector: *const contactbench_detector) -> *const i32 {
     // SAFETY: the pointer is null, or a detector that was created and not freed.
-    look(unsafe { detector.as_ref() }.map(|it| &it.0), Answer::images_ptr, ptr::null())
+    look(unsafe { detector.as_ref() }.map(|it| &it.0), Filled::images_ptr, ptr::null())
 }
 
 /// Returns a part of the answer, or `absent` if there is no handle or no answer.
-fn look<R>(handle: Option<&Handle>, part: fn(&Answer) -> R, absent: R) -> R {
+fn look<R>(handle: Option<&Handle>, part: fn(&Filled) -> R, absent: R) -> R {
     handle.and_then(|handle| handle.look(part)).unwrap_or(absent)
 }
 

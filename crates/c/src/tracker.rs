@@ -6,7 +6,7 @@ use std::ptr;
 use contactbench_detectors::tracker;
 
 use crate::given::Failure;
-use crate::handle::{Answer, Handle};
+use crate::handle::{Filled, Handle};
 use crate::{contactbench_scene, create, done, look, there};
 
 const DEFAULT: &str = "verlet(streamed-nbs,skin=auto)";
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn contactbench_tracker_pairs(
     tracker: *const contactbench_tracker,
 ) -> *const u32 {
     // SAFETY: the pointer is null, or a tracker that was created and not freed.
-    look(unsafe { tracker.as_ref() }.map(|it| &it.0), Answer::pairs_ptr, ptr::null())
+    look(unsafe { tracker.as_ref() }.map(|it| &it.0), Filled::pairs_ptr, ptr::null())
 }
 
 /// Does what contactbench_images does, for the last frame of this tracker.
@@ -128,5 +128,5 @@ pub unsafe extern "C" fn contactbench_tracker_images(
     tracker: *const contactbench_tracker,
 ) -> *const i32 {
     // SAFETY: the pointer is null, or a tracker that was created and not freed.
-    look(unsafe { tracker.as_ref() }.map(|it| &it.0), Answer::images_ptr, ptr::null())
+    look(unsafe { tracker.as_ref() }.map(|it| &it.0), Filled::images_ptr, ptr::null())
 }

@@ -31,7 +31,7 @@ use crate::draw::{Draw, Sphere};
 use crate::near::Lengths;
 use crate::predicate::{FAR, OFFSETS};
 use crate::whole::Whole;
-use crate::{Counts, Plan, Table, What, in_batches};
+use crate::{Counts, Plan, Totals, What, in_batches};
 
 const LIMIT: u64 = 1 << 28;
 /// Distance between pairs, in reaches (largest sums of two radii).
@@ -54,11 +54,11 @@ enum Shape {
     Small,
 }
 
-pub fn detectors(plan: Plan) -> Table {
+pub fn detectors(plan: Plan) -> Totals {
     rows(plan, &[(Shape::Open, "borders")], &OFFSETS)
 }
 
-pub fn boxes(plan: Plan) -> Table {
+pub fn boxes(plan: Plan) -> Totals {
     let shapes = [
         (Shape::Straight, "straight boxes"),
         (Shape::Tilted, "tilted boxes"),
@@ -68,7 +68,7 @@ pub fn boxes(plan: Plan) -> Table {
     rows(plan, &shapes, &AWAY)
 }
 
-fn rows(plan: Plan, shapes: &[(Shape, &str)], places: &[f64]) -> Table {
+fn rows(plan: Plan, shapes: &[(Shape, &str)], places: &[f64]) -> Totals {
     let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let mut rows = Vec::new();
     for dim in [2, 3] {
@@ -80,16 +80,16 @@ fn rows(plan: Plan, shapes: &[(Shape, &str)], places: &[f64]) -> Table {
         let (((shape, name), dim, away), index) = (rows[piece % rows.len()], piece / rows.len());
         let draw = &mut Draw::new(plan.seed, 1 << 62 | (shape as u64) << 56 | piece as u64);
         let counts = match dim {
-            2 => Row { sphere: &plane, shape, away }.run(index, draw),
-            _ => Row { sphere: &space, shape, away }.run(index, draw),
+            2 => Setting { sphere: &plane, shape, away }.run(index, draw),
+            _ => Setting { sphere: &space, shape, away }.run(index, draw),
         };
-        let mut table = Table::default();
+        let mut table = Totals::default();
         table.add(name, &format!("{dim}D {away:e}"), counts);
         table
     })
 }
 
-struct Row<'a, const D: usize> {
+struct Setting<'a, const D: usize> {
     sphere: &'a Sphere<D>,
     shape: Shape,
     /// In open space: the offset from the origin, in diameters. In boxes: how many box vectors away
@@ -98,7 +98,7 @@ struct Row<'a, const D: usize> {
     away: f64,
 }
 
-impl<const D: usize> Row<'_, D> {
+impl<const D: usize> Setting<'_, D> {
     /// Returns lower triangular vectors of about these lengths; a random part of them is periodic.
     fn lattice(&self, edges: [i64; D], tilted: bool, draw: &mut Draw) -> Whole<D> {
         let mut whole = Whole::default();

@@ -3,10 +3,10 @@
 
 pub mod boxes;
 pub mod draw;
-pub mod moving;
 pub mod near;
 pub mod predicate;
 pub mod skin;
+pub mod tracking;
 pub mod whole;
 
 use std::collections::BTreeMap;
@@ -88,14 +88,14 @@ pub const CONTROL: &str = " (control)";
 
 /// Counts by subject (a family, a kind of box, a tracker) and by offset.
 #[derive(Default)]
-pub struct Table(pub BTreeMap<(String, String), Counts>);
+pub struct Totals(pub BTreeMap<(String, String), Counts>);
 
-impl Table {
+impl Totals {
     pub fn add(&mut self, what: &str, place: &str, counts: Counts) {
         *self.0.entry((what.into(), place.into())).or_default() += counts;
     }
 
-    fn and(mut self, other: Table) -> Table {
+    fn and(mut self, other: Totals) -> Totals {
         other.0.into_iter().for_each(|(key, counts)| *self.0.entry(key).or_default() += counts);
         self
     }
@@ -133,11 +133,15 @@ impl Table {
 }
 
 /// Runs pieces of a campaign in parallel, in complete batches, until enough pairs are decided.
-pub(crate) fn in_batches(plan: Plan, batch: usize, piece: impl Fn(usize) -> Table + Sync) -> Table {
-    let (mut sum, mut done) = (Table::default(), 0);
+pub(crate) fn in_batches(
+    plan: Plan,
+    batch: usize,
+    piece: impl Fn(usize) -> Totals + Sync,
+) -> Totals {
+    let (mut sum, mut done) = (Totals::default(), 0);
     while sum.total(true).get(What::Pairs) < plan.pairs {
         let pieces = (done..done + batch).into_par_iter().map(&piece);
-        sum = sum.and(pieces.reduce(Table::default, Table::and));
+        sum = sum.and(pieces.reduce(Totals::default, Totals::and));
         done += batch;
     }
     sum

@@ -24,7 +24,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use contactbench_campaigns::{Plan, Table, What, boxes, moving, predicate, skin};
+use contactbench_campaigns::{Plan, Totals, What, boxes, predicate, skin, tracking};
 
 #[derive(Parser)]
 struct Arguments {
@@ -43,13 +43,13 @@ struct Arguments {
 
 /// Name, function, divisor of the planned number of decisions, and a count of errors that must be
 /// above 0: it proves that errors are found.
-type Part = (&'static str, fn(Plan) -> Table, u64, fn(&Table) -> u64);
+type Part = (&'static str, fn(Plan) -> Totals, u64, fn(&Totals) -> u64);
 
 const PARTS: [Part; 5] = [
     ("predicate", predicate::run, 1, |table| table.total(true).get(What::RoundedWrong)),
     ("detectors", boxes::detectors, 1, |table| table.total(true).get(What::RoundedWrong)),
     ("boxes", boxes::boxes, 1, |table| table.total(true).get(What::RoundedWrong)),
-    ("trackers", moving::trackers, 1, |table| table.total(false).get(What::Missed)),
+    ("trackers", tracking::trackers, 1, |table| table.total(false).get(What::Missed)),
     ("pairs", skin::pairs, 10, |table| table.total(false).get(What::Missed)),
 ];
 

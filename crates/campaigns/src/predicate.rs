@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use contactbench_ground::contact::depth::depth;
 use contactbench_ground::contact::exact::{self, Label};
-use contactbench_ground::contact::{Bodies, Test, WithBodies, with_bodies};
+use contactbench_ground::contact::{Particles, Test, WithParticles, with_particles};
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::probe::{Op, Tally};
 use contactbench_ground::scene::{Radii, Scene};
@@ -12,7 +12,7 @@ use num_bigint::BigInt;
 
 use crate::draw::{Draw, Sphere, power};
 use crate::near::{Lengths, Near, Pair, long_sum, needle};
-use crate::{Counts, Plan, Table, What, in_batches};
+use crate::{Counts, Plan, Totals, What, in_batches};
 
 /// Offsets in diameters: coordinates have one to five times this magnitude; 0 means around the
 /// origin.
@@ -29,7 +29,7 @@ const NEEDLES: usize = 9;
 
 const FAMILIES: [&str; 3] = ["grid", "long sum", "needle"];
 
-pub fn run(plan: Plan) -> Table {
+pub fn run(plan: Plan) -> Totals {
     let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let mut rows = Vec::new();
     for dim in [2, 3] {
@@ -39,7 +39,7 @@ pub fn run(plan: Plan) -> Table {
     // Scenes alternate between one radius and several.
     in_batches(plan, 2 * rows.len(), |piece| {
         let ((family, dim, offset), index) = (rows[piece % rows.len()], piece / rows.len());
-        let mut table = Table::default();
+        let mut table = Totals::default();
         if family < 2 || index.is_multiple_of(NEEDLES) {
             let draw = &mut Draw::new(plan.seed, piece as u64);
             let counts = match dim {
@@ -86,7 +86,7 @@ fn batch<const D: usize>(
         return counts;
     };
     let mut tally = Tally::default();
-    match with_bodies(&scene, Test::Exact, Ask { truths: &truths, tally: &mut tally }) {
+    match with_particles(&scene, Test::Exact, Ask { truths: &truths, tally: &mut tally }) {
         Ok([missed, spurious]) => {
             counts.add(What::Missed, missed);
             counts.add(What::Spurious, spurious);
@@ -98,7 +98,7 @@ fn batch<const D: usize>(
     // Pairs of extreme scale are not decided in f64, which cannot hold their squares.
     let ask = Ask { truths: &truths, tally: &mut tally };
     if exponent.abs() <= 200
-        && let Ok([missed, spurious]) = with_bodies(&scene, Test::Rounded, ask)
+        && let Ok([missed, spurious]) = with_particles(&scene, Test::Rounded, ask)
     {
         counts.add(What::Rounded, BATCH);
         counts.add(What::RoundedWrong, missed + spurious);
@@ -177,13 +177,13 @@ struct Ask<'a> {
     tally: &'a mut Tally,
 }
 
-impl<const D: usize> WithBodies<f64, D> for Ask<'_> {
+impl<const D: usize> WithParticles<f64, D> for Ask<'_> {
     type Output = Result<[u64; 2], Refusal>;
 
-    fn call<B: Bodies<f64, D>>(self, bodies: B) -> Self::Output {
+    fn call<B: Particles<f64, D>>(self, particles: B) -> Self::Output {
         let mut wrong = [0; 2];
         for (truth, i) in self.truths.iter().zip((0..).step_by(2)) {
-            let touch = bodies.touch(i, i + 1, self.tally);
+            let touch = particles.touch(i, i + 1, self.tally);
             wrong[0] += u64::from(truth.is_le() && !touch);
             wrong[1] += u64::from(touch && !truth.is_le());
         }

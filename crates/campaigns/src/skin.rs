@@ -20,10 +20,10 @@ use contactbench_ground::scene::AnyScene;
 use contactbench_lists::track::{Rule, Skin};
 
 use crate::draw::{Draw, Sphere, direction, power, square};
-use crate::moving::{Frame, RULES, add, detectors};
 use crate::predicate::FAR;
+use crate::tracking::{RULES, StoredFrame, add, detectors};
 use crate::whole::sizes;
-use crate::{Plan, Table, What, in_batches};
+use crate::{Plan, Totals, What, in_batches};
 
 /// A few particles in consecutive frames; two of them form the pair under test.
 struct Pair<const D: usize> {
@@ -48,12 +48,12 @@ const OFFSETS: [f64; 4] = [0.0, 1e3, 1e6, 1e9];
 const NEARLY: Rule = Rule::Lammps { delay: 0, every: 1, check: true };
 const PAIRS: usize = 200;
 
-pub fn pairs(plan: Plan) -> Table {
+pub fn pairs(plan: Plan) -> Totals {
     let (plane, space) = (Sphere::<2>::made(), Sphere::<3>::made());
     let detectors = detectors();
     in_batches(plan, 64, |piece| {
         let mut draw = Draw::new(plan.seed, 1 << 62 | piece as u64);
-        let mut table = Table::default();
+        let mut table = Totals::default();
         for turn in 0..PAIRS {
             let by = &detectors[(PAIRS * piece + turn) % detectors.len()];
             match draw.once_in(2) {
@@ -84,16 +84,17 @@ impl<const D: usize> Pair<D> {
     }
 
     /// Runs trackers with all rules over the frames, in exact arithmetic and in a rounded one.
-    fn follow(&self, detector: &DetectorSpec, draw: &mut Draw, table: &mut Table) {
+    fn follow(&self, detector: &DetectorSpec, draw: &mut Draw, table: &mut Totals) {
         let mut counts = crate::Counts::default();
         counts.add(What::Came, self.came() as u64);
         table.add(self.name, "pairs", counts);
         let all = 0..self.frames.len();
-        let exact = |k: usize| Frame { scene: self.scene(k), truth: self.touching(k) };
-        let exact: Vec<Frame> = all.clone().map(exact).collect();
+        let exact = |k: usize| StoredFrame { scene: self.scene(k), truth: self.touching(k) };
+        let exact: Vec<StoredFrame> = all.clone().map(exact).collect();
         let rounded = draw.one_of(&[Arithmetic::F32, Arithmetic::F64]);
         // Absent if the arithmetic cannot store a frame.
-        let stored: Option<Vec<Frame>> = all.map(|k| Frame::new(&self.scene(k), rounded)).collect();
+        let stored: Option<Vec<StoredFrame>> =
+            all.map(|k| StoredFrame::new(&self.scene(k), rounded)).collect();
         let kinds = [(Arithmetic::Exact, exact)].into_iter().chain(stored.map(|it| (rounded, it)));
         for (arithmetic, frames) in kinds {
             for rule in RULES.into_iter().chain([NEARLY]) {

@@ -80,7 +80,7 @@ pub mod scene {
 
 /// The contact test, and how a scene is stored.
 pub mod contact {
-    pub use contactbench_ground::contact::{Arithmetic, Bodies, Margin, Slack, Test};
+    pub use contactbench_ground::contact::{Arithmetic, Margin, Particles, Slack, Test};
 }
 
 /// The interface of a detector.
@@ -136,7 +136,7 @@ pub mod periodic {
 
 /// Any detector, in boxes or in open space, with its buffers.
 pub mod searcher {
-    pub use contactbench_ground::periodic::{Frame, LoadError, Loaded};
+    pub use contactbench_ground::periodic::{LoadError, Loaded, Searchable};
     pub use contactbench_lists::searcher::Searcher;
 }
 

@@ -4,7 +4,7 @@
 //! an empty result. Its rows are marked as a control, not as wrong. The other kind of control, the
 //! A/A twin, is a second entry of the table with the code of another detector.
 
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::{Declare, Detector, Options};
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::pairs::sink::Sink;
@@ -21,7 +21,7 @@ impl Declare for Nothing {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Nothing {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
         _: B,
         _: &mut P,

@@ -11,7 +11,7 @@ use crate::formats::npy;
 use crate::raw::gzip::Unpacking;
 use crate::raw::lines::Source;
 use crate::raw::room::room;
-use crate::raw::scalars::Kind;
+use crate::raw::scalars::Scalar;
 use crate::write::{create, scene_npy};
 use contactbench_ground::periodic::{ContactList, ImagePair};
 use contactbench_ground::scene::{AnyScene, Radii, Real};
@@ -73,7 +73,7 @@ pub fn write_contacts(
 /// of shape (pairs, 2 + dim); the last columns are the image of the second particle.
 pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<ContactList> {
     let name = path.display().to_string();
-    let (kind, descr) = if box_dim.is_some() { (Kind::I32, "<i4") } else { (Kind::U32, "<u4") };
+    let (kind, descr) = if box_dim.is_some() { (Scalar::I32, "<i4") } else { (Scalar::U32, "<u4") };
     let columns = 2 + box_dim.unwrap_or(0);
     let file = File::open(path).with_context(|| format!("cannot read the pairs {name}"))?;
     let (input, unpacking) = (&mut BufReader::new(file), &Unpacking::default());

@@ -3,7 +3,7 @@
 use anyhow::{anyhow, bail, ensure};
 
 use crate::particles::{Loaded, Particles};
-use crate::types::{Frame, Notice, assumed};
+use crate::types::{FrameChoice, Notice, assumed};
 use contactbench_terms::number::plural;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -15,7 +15,7 @@ pub enum Step {
 
 #[derive(Default)]
 pub struct Choice {
-    frame: Frame,
+    frame: FrameChoice,
     /// Whether to read to the end of the file even if the chosen frame is found before.
     survey: bool,
     pub seen: u64,
@@ -33,7 +33,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    pub fn new(frame: Frame, survey: bool) -> Choice {
+    pub fn new(frame: FrameChoice, survey: bool) -> Choice {
         Choice { frame, survey, ..Choice::default() }
     }
 
@@ -57,7 +57,10 @@ impl Choice {
     /// Adds to an error which frames before it can be read.
     pub fn with_whole(&self, error: anyhow::Error) -> anyhow::Error {
         // If only one frame is allowed, a second frame is an error but no damage.
-        if self.whole == 0 || self.through || self.frame == Frame::Only && self.seen > self.whole {
+        if self.whole == 0
+            || self.through
+            || self.frame == FrameChoice::Only && self.seen > self.whole
+        {
             return error;
         }
         let last = self.whole - 1;
@@ -65,15 +68,17 @@ impl Choice {
     }
 
     pub fn is_all(&self) -> bool {
-        self.frame == Frame::All
+        self.frame == FrameChoice::All
     }
 
     /// The first of `count` frames that must be read, for formats with random access.
     pub fn first_of(&self, count: usize) -> usize {
         match self.frame {
-            Frame::Last => count.saturating_sub(1),
-            Frame::Number(k) => usize::try_from(k).unwrap_or(count).min(count.saturating_sub(1)),
-            Frame::Only | Frame::All => 0,
+            FrameChoice::Last => count.saturating_sub(1),
+            FrameChoice::Number(k) => {
+                usize::try_from(k).unwrap_or(count).min(count.saturating_sub(1))
+            }
+            FrameChoice::Only | FrameChoice::All => 0,
         }
     }
 
@@ -85,22 +90,22 @@ impl Choice {
     pub fn begin_at(&mut self, index: u64, place: impl Fn() -> String) -> anyhow::Result<Step> {
         let is_first = std::mem::replace(&mut self.seen, index + 1) == 0;
         Ok(match self.frame {
-            Frame::Only if !is_first => {
+            FrameChoice::Only if !is_first => {
                 bail!(
                     "{}: a second frame begins; choose one with --frame 0 to --frame last",
                     place()
                 )
             }
-            Frame::Only | Frame::Last | Frame::All => Step::Keep,
-            Frame::Number(k) if k == index => Step::Keep,
-            Frame::Number(k) if k < index && !self.survey => Step::Stop,
-            Frame::Number(_) => Step::Skip,
+            FrameChoice::Only | FrameChoice::Last | FrameChoice::All => Step::Keep,
+            FrameChoice::Number(k) if k == index => Step::Keep,
+            FrameChoice::Number(k) if k < index && !self.survey => Step::Stop,
+            FrameChoice::Number(_) => Step::Skip,
         })
     }
 
     /// Returns the number of the chosen frame; fails if the file does not have it.
     fn end(&self, name: &str) -> anyhow::Result<u64> {
-        if let Frame::Number(k) = self.frame
+        if let FrameChoice::Number(k) = self.frame
             && (self.seen > 0 || self.sparse)
         {
             let (sparse, all) = (self.sparse && !self.by_step, plural(self.seen as usize, "frame"));
@@ -198,7 +203,7 @@ fn chosen<T>(
     choice: &mut Choice,
     name: &str,
 ) -> anyhow::Result<(Option<T>, u64)> {
-    let one = choice.frame != Frame::All;
+    let one = choice.frame != FrameChoice::All;
     ensure!(one, "{name}: one frame is wanted here; give --frame a number from 0, or last");
     let mut kept = None;
     loop {
@@ -209,7 +214,7 @@ fn chosen<T>(
             Err(error)
                 if kept.is_some()
                     && !choice.through
-                    && matches!(choice.frame, Frame::Number(_)) =>
+                    && matches!(choice.frame, FrameChoice::Number(_)) =>
             {
                 let k = choice.end(name)?;
                 let why = assumed!("frame {k} is whole, and a later one is not: {error:#}");
@@ -220,7 +225,7 @@ fn chosen<T>(
         }
         // No later line can change the chosen frame.
         let is_last = !choice.survey && !choice.sparse && !choice.through;
-        if matches!(choice.frame, Frame::Number(_)) && is_last {
+        if matches!(choice.frame, FrameChoice::Number(_)) && is_last {
             break;
         }
     }

@@ -8,7 +8,7 @@ use crate::columns::without::Without;
 use crate::frames::{Once, Reader};
 use crate::particles::Loaded;
 use crate::raw::lines::Source;
-use crate::types::Frame;
+use crate::types::FrameChoice;
 use contactbench_terms::number;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Options {
     pub radius: Option<f64>,
     /// Dimension, 2 or 3, if the file allows both; `None` takes the dimension of the file.
     pub dim: Option<u32>,
-    pub frame: Frame,
+    pub frame: FrameChoice,
     /// The format; `None` detects it.
     pub format: Option<&'static Format>,
     /// Whether to keep the file's own numbers of the particles.
@@ -129,7 +129,7 @@ impl Options {
     pub const NONE: Options = Options {
         radius: None,
         dim: None,
-        frame: Frame::Only,
+        frame: FrameChoice::Only,
         format: None,
         ids: false,
         survey: false,

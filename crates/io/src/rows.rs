@@ -8,7 +8,7 @@ use crate::particles::{Loaded, Particles, loaded, unused_sizes};
 use crate::raw::lines::{
     Lines, Separator, Source, decoded, exact, listed, number, short, shown, whole,
 };
-use crate::raw::scalars::Kind;
+use crate::raw::scalars::Scalar;
 use contactbench_terms::number::plural;
 
 pub struct Rows {
@@ -146,7 +146,7 @@ impl Rows {
         &mut self,
         source: &mut Source<'_>,
         count: u64,
-        fields: &[(Option<(Kind, bool)>, usize)],
+        fields: &[(Option<(Scalar, bool)>, usize)],
     ) -> anyhow::Result<()> {
         let mut ends = vec![0];
         ends.extend(fields.iter().scan(0, |end, (_, width)| {

@@ -53,7 +53,7 @@ pub struct Declared {
 
 /// A choice among the frames of a file, which are numbered from 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Frame {
+pub enum FrameChoice {
     /// The only frame; a file with several frames is refused.
     #[default]
     Only,
@@ -62,16 +62,16 @@ pub enum Frame {
     All,
 }
 
-impl std::str::FromStr for Frame {
+impl std::str::FromStr for FrameChoice {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<Frame, String> {
+    fn from_str(text: &str) -> Result<FrameChoice, String> {
         match text {
-            "last" => Ok(Frame::Last),
-            "first" => Ok(Frame::Number(0)),
-            "all" => Ok(Frame::All),
+            "last" => Ok(FrameChoice::Last),
+            "first" => Ok(FrameChoice::Number(0)),
+            "all" => Ok(FrameChoice::All),
             _ => match text.parse() {
-                Ok(k) => Ok(Frame::Number(k)),
+                Ok(k) => Ok(FrameChoice::Number(k)),
                 Err(_) => Err("it must be a number from 0, or last, or all".into()),
             },
         }

@@ -6,7 +6,7 @@ use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::any::AnyDetector;
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::pairs::pair_list::{Allowance, PairList};
-use contactbench_ground::periodic::{ContactList, Frame, Loaded};
+use contactbench_ground::periodic::{ContactList, Loaded, Searchable};
 use contactbench_ground::probe::Tally;
 
 /// A detector, together with a finder for periodic boxes.
@@ -78,23 +78,25 @@ impl Searcher {
     /// [`Searcher::list`]; the lists are then unchanged.
     pub fn find(
         &mut self,
-        frame: Frame<'_>,
+        frame: Searchable<'_>,
         tally: Option<&mut Tally>,
         contacts: &mut ContactList,
     ) -> Result<(), Refusal> {
         let (limit, detector) = (self.memory_limit, &mut *self.detector);
-        if let Frame::Open(..) = frame {
+        if let Searchable::Open(..) = frame {
             self.finder = None;
         }
         match (frame, tally) {
-            (Frame::Open(scene, test), None) => detector.list(scene, test, &mut contacts.plain),
-            (Frame::Open(scene, test), Some(tally)) => {
+            (Searchable::Open(scene, test), None) => {
+                detector.list(scene, test, &mut contacts.plain)
+            }
+            (Searchable::Open(scene, test), Some(tally)) => {
                 let allowance = Allowance::new(limit);
                 let mut list = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
                 let counted = detector.count(scene, test, tally, &mut list);
                 list.end(scene.len(), &mut contacts.plain).and(counted)
             }
-            (Frame::Boxed(frame, arithmetic), tally) => {
+            (Searchable::Boxed(frame, arithmetic), tally) => {
                 let finder = self.finder.get_or_insert_with(|| Finder::new(limit));
                 finder.find(frame, detector, arithmetic, tally, contacts)
             }

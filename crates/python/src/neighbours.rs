@@ -35,7 +35,7 @@ type Lists = (
 );
 
 /// A neighbour list: entries of particle i lie between offsets i and i + 1.
-struct Table {
+struct NeighbourList {
     offsets: Vec<i64>,
     j: Vec<i64>,
     /// Shifts, or nothing if they are not needed.
@@ -61,13 +61,13 @@ fn entries(contacts: &ContactList, half: bool, mut put: impl FnMut(u32, u32, [i3
     contacts.shifted.iter().for_each(|it| both(it.i, it.j, it.image));
 }
 
-impl Table {
+impl NeighbourList {
     fn new(
         particles: usize,
         contacts: &ContactList,
         wanted: Wanted,
         shifts: bool,
-    ) -> Result<Table, Refusal> {
+    ) -> Result<NeighbourList, Refusal> {
         let mut offsets: Vec<i64> = zeros(particles + 1)?;
         entries(contacts, wanted.half, |i, _, _| offsets[i as usize] += 1);
         let mut len = 0;
@@ -76,7 +76,7 @@ impl Table {
         }
         let len = len as usize;
         let mut list =
-            Table { offsets, j: zeros(len)?, shifts: zeros(if shifts { len } else { 0 })? };
+            NeighbourList { offsets, j: zeros(len)?, shifts: zeros(if shifts { len } else { 0 })? };
         entries(contacts, wanted.half, |i, j, shift| {
             let at = &mut list.offsets[i as usize];
             list.j[*at as usize] = i64::from(j);
@@ -140,7 +140,7 @@ pub fn neighbours(
     let search = move |working: &mut _, arrays: &Arrays<'_>| {
         let (contacts, boxed, _) = find(working, arrays)?;
         let shifts = wanted.shifts || boxed.is_some() && (wanted.vectors || wanted.sorted);
-        let table = Table::new(arrays.len(), &contacts, wanted, shifts)?;
+        let table = NeighbourList::new(arrays.len(), &contacts, wanted, shifts)?;
         drop(contacts);
         let (i, dim) = (table.i()?, arrays.dim());
         let (mut vectors, mut distances) = (Vec::new(), Vec::new());
@@ -158,7 +158,7 @@ pub fn neighbours(
         }
         Ok((i, dim, table, vectors, distances))
     };
-    let (i, dim, Table { offsets, j, shifts }, vectors, distances) =
+    let (i, dim, NeighbourList { offsets, j, shifts }, vectors, distances) =
         own.with(py, Arrays::new(&x, &r, edges)?, search)?;
     let shifts = match dim {
         3 => shifts.into_flattened(),

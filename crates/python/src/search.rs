@@ -104,7 +104,7 @@ impl<T> Owned<T> {
 }
 
 pub type Working = (Box<dyn Tracker>, Option<ThreadPool>);
-type Found = (ContactList, Option<usize>, Step);
+type Searched = (ContactList, Option<usize>, Step);
 
 /// Steps, builds, dangerous builds, pairs in the last list, and whether the last step built it.
 type Done = (u64, u64, u64, u64, bool);
@@ -133,7 +133,7 @@ impl Search {
     /// open space), and what a tracker did.
     pub fn finding(
         &self,
-    ) -> impl FnOnce(&mut Working, &Arrays<'_>) -> Result<Found, Failure> + Send + use<> {
+    ) -> impl FnOnce(&mut Working, &Arrays<'_>) -> Result<Searched, Failure> + Send + use<> {
         let (arithmetic, limit) = (self.arithmetic, self.memory_limit);
         move |(finder, crew), arrays| {
             let scene = loaded(arrays, arithmetic, limit)?;

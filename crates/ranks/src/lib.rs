@@ -2,9 +2,9 @@
 //! or threads. Measures the cost of each step and the traffic, and checks that the contacts are
 //! those that one process finds.
 
-pub mod bodies;
 #[cfg(feature = "mpi")]
 pub mod mpi;
+pub mod particles;
 pub mod rank;
 pub mod share;
 pub mod slabs;
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use crate::bodies::Numbered;
+use crate::particles::Numbered;
 use crate::rank::{Failure, Rank, Traffic, failed, together};
 use crate::share::Share;
 use crate::world::World;
@@ -43,7 +43,7 @@ pub struct Setting<'a> {
 /// Results of all ranks together. A count is the sum over the ranks, or the maximum if its name has
 /// `most`. A time is that of the slowest rank, as the median over the steps.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row {
+pub struct RankResults {
     pub scene: String,
     pub n: u64,
     pub dim: usize,
@@ -98,7 +98,7 @@ impl Whole {
     }
 }
 
-impl Row {
+impl RankResults {
     /// Returns whether the contacts are those of one process; `None` if not computed by one.
     pub fn is_right(&self) -> Option<bool> {
         let whole = self.whole.as_ref()?;
@@ -122,7 +122,7 @@ pub fn measure(
     name: &str,
     share: Share,
     setting: Setting<'_>,
-) -> Result<Row, Failure> {
+) -> Result<RankResults, Failure> {
     let Share { given: Given { scene, lattice, .. }, first, .. } = share;
     // If ranks read files of different lengths, their rows usually overlap or leave gaps, which is
     // checked here. Different contents only change the digest.
@@ -152,12 +152,12 @@ fn of<const D: usize>(
     first: u64,
     lattice: Option<Lattice>,
     setting: Setting<'_>,
-) -> Result<Row, Failure>
+) -> Result<RankResults, Failure>
 where
     for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
 {
-    let bodies = together(world, Numbered::new(scene, first))?;
-    let mut rank = Rank::new(world, bodies, lattice)?;
+    let particles = together(world, Numbered::new(scene, first))?;
+    let mut rank = Rank::new(world, particles, lattice)?;
     let mut searcher = searcher(setting);
     let mut contacts = ContactList::default();
     let (mut steps, mut traffic) = (Vec::new(), Traffic::default());
@@ -176,7 +176,7 @@ where
     let bytes = Over::all(world, traffic.bytes);
     let (along, around) = rank.slabs().direction();
     let found = Whole::of(Digest { contacts, sum });
-    Ok(Row {
+    Ok(RankResults {
         scene: String::new(),
         n: own.sum,
         dim: D,

@@ -28,7 +28,7 @@ use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, PeriodicEr
 use contactbench_ground::scene::{AnyScene, Lattice, Radii, Scene, SceneError};
 use contactbench_lists::searcher::Searcher;
 
-use crate::bodies::Numbered;
+use crate::particles::Numbered;
 use crate::slabs::Slabs;
 use crate::world::World;
 
@@ -90,7 +90,7 @@ pub struct Rank<const D: usize> {
     slabs: Slabs<D>,
     lattice: Option<Lattice>,
     radius: Option<f64>,
-    bodies: Numbered<D>,
+    particles: Numbered<D>,
     own: usize,
 }
 
@@ -106,7 +106,7 @@ where
     /// with [`Refusal::Skewed`] or [`Refusal::Exhausted`] in any rank.
     pub fn new(
         world: &impl World,
-        bodies: Numbered<D>,
+        particles: Numbered<D>,
         lattice: Option<Lattice>,
     ) -> Result<Rank<D>, Failure> {
         let boxed = |lattice| -> Result<Lattice, Failure> {
@@ -126,7 +126,7 @@ where
             return Err(Failure::Unlike("its box"));
         }
         let lattice = lattice.map(boxed).transpose()?.filter(Lattice::repeats);
-        let mut ends = bodies
+        let mut ends = particles
             .radii()
             .iter()
             .fold([f64::NEG_INFINITY; 2], |[most, least], &r| [most.max(r), least.max(-r)]);
@@ -134,12 +134,12 @@ where
         // Without particles the largest radius is minus infinity, and `radius` is `None`.
         let radius = (ends[0] == -ends[1]).then_some(ends[0]);
         let sizes = radius.is_none();
-        let mut slabs = Slabs::new(world, &bodies, ends[0].max(0.0), lattice.as_ref())?;
+        let mut slabs = Slabs::new(world, &particles, ends[0].max(0.0), lattice.as_ref())?;
         let owner = |k: usize, to: &mut dyn FnMut(usize)| {
-            to(slabs.owner(bodies.at(k)));
+            to(slabs.owner(particles.at(k)));
         };
-        let mut letters = together(world, bodies.letters(world.size(), sizes, owner))?;
-        drop(bodies);
+        let mut letters = together(world, particles.letters(world.size(), sizes, owner))?;
+        drop(particles);
         world.exchange(&mut letters)?;
         let mut own = Numbered::default();
         let read = own.read(&letters, sizes);
@@ -149,7 +149,7 @@ where
             _ => own.radii().iter().copied().fold(f64::NEG_INFINITY, f64::max),
         };
         slabs.settle(world, largest);
-        Ok(Rank { slabs, lattice, radius, own: own.len(), bodies: own })
+        Ok(Rank { slabs, lattice, radius, own: own.len(), particles: own })
     }
 
     /// Replaces the copies of other ranks' particles by current ones, and returns this rank's
@@ -158,16 +158,16 @@ where
     /// # Errors
     /// Fails if any rank runs out of memory ([`Refusal::Exhausted`]).
     pub fn refresh(&mut self, world: &impl World) -> Result<Traffic, Failure> {
-        self.bodies.truncate(self.own);
-        let (bodies, slabs, radius) = (&self.bodies, &self.slabs, self.radius);
+        self.particles.truncate(self.own);
+        let (particles, slabs, radius) = (&self.particles, &self.slabs, self.radius);
         // The number is read once, because a call of MPI takes longer than the work for a particle.
         let rank = world.rank();
         let reached = |k: usize, to: &mut dyn FnMut(usize)| {
-            let r = radius.unwrap_or_else(|| bodies.radii()[k]);
-            slabs.reached(rank, bodies.at(k), r, to);
+            let r = radius.unwrap_or_else(|| particles.radii()[k]);
+            slabs.reached(rank, particles.at(k), r, to);
         };
         let sizes = radius.is_none();
-        let mut letters = together(world, bodies.letters(world.size(), sizes, reached))?;
+        let mut letters = together(world, particles.letters(world.size(), sizes, reached))?;
         let bytes: usize = letters.iter().map(Vec::len).sum();
         let traffic = Traffic {
             particles: (bytes / Numbered::<D>::bytes(sizes)) as u64,
@@ -175,7 +175,7 @@ where
             partners: letters.iter().filter(|letter| !letter.is_empty()).count() as u64,
         };
         world.exchange(&mut letters)?;
-        let read = self.bodies.read(&letters, sizes);
+        let read = self.particles.read(&letters, sizes);
         together(world, read)?;
         Ok(traffic)
     }
@@ -185,7 +185,7 @@ where
     }
 
     pub fn halo(&self) -> usize {
-        self.bodies.len() - self.own
+        self.particles.len() - self.own
     }
 
     pub fn slabs(&self) -> &Slabs<D> {
@@ -194,7 +194,7 @@ where
 
     /// Returns the number that particle `k` of this rank has in the whole scene.
     pub fn id(&self, k: u32) -> u32 {
-        self.bodies.ids()[k as usize]
+        self.particles.ids()[k as usize]
     }
 
     /// Replaces the contents of `contacts` by the exact contacts that belong to this rank.
@@ -224,7 +224,7 @@ where
     /// sizes. The lists of contacts are not included.
     pub fn formula_bytes(&self, searcher: &Searcher) -> u64 {
         let each = size_of::<u32>() + size_of::<f64>() * (D + usize::from(self.radius.is_none()));
-        (self.bodies.len() * each) as u64 + searcher.formula_bytes()
+        (self.particles.len() * each) as u64 + searcher.formula_bytes()
     }
 
     /// Returns number and digest of this rank's contacts, with the particle numbers of the whole
@@ -241,7 +241,7 @@ where
     }
 
     fn loaded(&self) -> Loaded<'_> {
-        let scene = self.bodies.scene(self.radius);
+        let scene = self.particles.scene(self.radius);
         match self.lattice {
             None => Loaded::Open(scene.into()),
             // This cannot fail: the box was checked with an empty f64 scene of this dimension.

@@ -20,10 +20,10 @@
 
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::scene::Lattice;
-use contactbench_lists::periodic::frame::{Frame, U};
+use contactbench_lists::periodic::frame::{ReducedBox, U};
 use contactbench_terms::mix::splitmix64;
 
-use crate::bodies::Numbered;
+use crate::particles::Numbered;
 use crate::rank::Failure;
 use crate::world::World;
 
@@ -44,31 +44,31 @@ pub struct Slabs<const D: usize> {
 #[derive(Clone, Debug)]
 enum Along<const D: usize> {
     Axis(usize),
-    Vector { frame: Box<Frame<D>>, vector: usize, slack: f64 },
+    Vector { frame: Box<ReducedBox<D>>, vector: usize, slack: f64 },
 }
 
 impl<const D: usize> Slabs<D> {
     /// Makes slabs that hold about equally many of the particles of all ranks.
     pub fn new(
         world: &impl World,
-        bodies: &Numbered<D>,
+        particles: &Numbered<D>,
         largest_radius: f64,
         lattice: Option<&Lattice>,
     ) -> Result<Slabs<D>, Failure> {
         let along = match lattice {
-            None => Along::axis(world, bodies),
+            None => Along::axis(world, particles),
             // The box is the same in all ranks, so either all ranks refuse it or none.
-            Some(lattice) => Along::vector(world, bodies, largest_radius, lattice)?,
+            Some(lattice) => Along::vector(world, particles, largest_radius, lattice)?,
         };
         // One random particle is taken from each interval, because regular steps might always hit
         // the same row of a lattice.
-        let step = bodies.len().div_ceil(SAMPLE).max(1);
+        let step = particles.len().div_ceil(SAMPLE).max(1);
         let drawn = |begin: usize| {
-            let some = step.min(bodies.len() - begin) as u64;
+            let some = step.min(particles.len() - begin) as u64;
             begin + (splitmix64((begin as u64) << 8 ^ world.rank() as u64) % some) as usize
         };
-        let begins = (0..bodies.len()).step_by(step);
-        let sampled = begins.map(|begin| along.place(bodies.at(drawn(begin))));
+        let begins = (0..particles.len()).step_by(step);
+        let sampled = begins.map(|begin| along.place(particles.at(drawn(begin))));
         let letter: Vec<u8> = sampled.flat_map(f64::to_le_bytes).collect();
         let mut letters = vec![letter; world.size()];
         world.exchange(&mut letters)?;
@@ -137,9 +137,9 @@ impl<const D: usize> Slabs<D> {
 
 impl<const D: usize> Along<D> {
     /// Returns the axis along which the scene is longest.
-    fn axis(world: &impl World, bodies: &Numbered<D>) -> Along<D> {
+    fn axis(world: &impl World, particles: &Numbered<D>) -> Along<D> {
         let mut ends = [[f64::NEG_INFINITY; 2]; D];
-        for x in bodies.places() {
+        for x in particles.places() {
             for (end, &x) in ends.iter_mut().zip(x) {
                 *end = [end[0].max(x), end[1].max(-x)];
             }
@@ -154,17 +154,17 @@ impl<const D: usize> Along<D> {
     /// Returns the box vector whose two faces are farthest apart.
     fn vector(
         world: &impl World,
-        bodies: &Numbered<D>,
+        particles: &Numbered<D>,
         largest_radius: f64,
         lattice: &Lattice,
     ) -> Result<Along<D>, Refusal> {
-        let frame = Frame::new(lattice)?;
+        let frame = ReducedBox::new(lattice)?;
         let periodic = (0..3).filter(|&a| frame.periodic[a]);
         let vector = periodic.min_by(|&a, &b| frame.lengths[a].total_cmp(&frame.lengths[b]));
         let vector = vector.unwrap_or(0);
         // Each vector has three maxima: of the fraction, of the negated fraction, and of the sum.
         let mut most = [[f64::NEG_INFINITY; 3]; 3];
-        for x in bodies.places() {
+        for x in particles.places() {
             for a in (0..3).filter(|&a| frame.periodic[a]) {
                 let fraction = frame.fraction(a, x);
                 let found = [fraction, -fraction, frame.most(a, x)];

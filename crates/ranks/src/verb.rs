@@ -9,7 +9,7 @@ use crate::rank::Failure;
 use crate::rank::{alike, together};
 use crate::share::{self, Share};
 use crate::world::{World, threads};
-use crate::{Row, Setting, Whole, measure, whole};
+use crate::{RankResults, Setting, Whole, measure, whole};
 use anyhow::{Context, bail, ensure};
 #[cfg(feature = "mpi")]
 use contactbench::cli::shared::input::tell;
@@ -89,7 +89,7 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
     let given = (!options.each).then(|| input.given(name)).transpose()?;
     let mut rows = Vec::new();
     for &ranks in &options.ranks {
-        let of = |world: &_| -> anyhow::Result<Row> {
+        let of = |world: &_| -> anyhow::Result<RankResults> {
             let share = match &given {
                 Some(given) => Share::of(given, World::rank(world), ranks),
                 None => share::beside(&origin, world)?,
@@ -183,8 +183,8 @@ fn by_mpi<'a>(_: &Ranks, _: &str, _: &dyn Fn(usize) -> Setting<'a>) -> anyhow::R
 }
 
 /// Returns the rows, or the error of a rank that knows the reason if any does.
-fn first_to_say_why(rows: Vec<anyhow::Result<Row>>) -> anyhow::Result<Row> {
-    let knows = |row: &anyhow::Result<Row>| match row {
+fn first_to_say_why(rows: Vec<anyhow::Result<RankResults>>) -> anyhow::Result<RankResults> {
+    let knows = |row: &anyhow::Result<RankResults>| match row {
         Ok(_) => false,
         Err(error) => !matches!(error.downcast_ref(), Some(Failure::Elsewhere(_))),
     };
@@ -192,7 +192,7 @@ fn first_to_say_why(rows: Vec<anyhow::Result<Row>>) -> anyhow::Result<Row> {
     rows.into_iter().nth(which).context("no rank")?
 }
 
-fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
+fn say(options: &Ranks, rows: &[RankResults]) -> anyhow::Result<ExitCode> {
     if let Some(path) = &options.json {
         let lines = rows.iter().map(|row| Ok(serde_json::to_string(row)? + "\n"));
         append(path, &lines.collect::<anyhow::Result<String>>()?, "--json")?;
@@ -214,17 +214,17 @@ fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
     Ok(if wrong { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-fn heading(row: &Row) -> Block {
+fn heading(row: &RankResults) -> Block {
     let along = match row.around {
         false => ["x", "y", "z"][row.along.min(2)].into(),
         true => format!("vector {} of the box", row.along + 1),
     };
-    let Row { scene, dim, detector, .. } = row;
+    let RankResults { scene, dim, detector, .. } = row;
     Block::paragraph(format!("{scene}: {dim}D, {detector}, exact arithmetic; slabs along {along}."))
 }
 
 /// Returns the contacts of all ranks, compared with those of one process.
-fn verdict(row: &Row) -> Block {
+fn verdict(row: &RankResults) -> Block {
     let verdict = match &row.whole {
         None => "not compared with one process".to_string(),
         Some(_) if row.is_right() == Some(true) => "those of one process".to_string(),
@@ -237,7 +237,7 @@ fn verdict(row: &Row) -> Block {
     Block::paragraph(format!("{ranks}: {pairs}, digest {}: {verdict}.", row.digest))
 }
 
-fn table(rows: &[Row]) -> Table {
+fn table(rows: &[RankResults]) -> Table {
     Table::of("", rows)
         .right("ranks", |row| row.ranks as u64)
         .unit("own", "most", |row| row.own[1])

@@ -33,12 +33,12 @@ pub struct Thread {
 
 struct Shared {
     size: usize,
-    table: Mutex<Table>,
+    table: Mutex<Board>,
     turned: Condvar,
 }
 
 /// Data shared by all threads. Each list has an entry per rank.
-struct Table {
+struct Board {
     arrived: usize,
     round: u64,
     /// The first rank that returned; others must not wait for it.
@@ -58,7 +58,7 @@ struct Table {
 /// Panics if the work of a rank does, with the panic of the first such rank. Ranks that wait for a
 /// rank that has panicked or returned panic, too.
 pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::Result<Vec<R>> {
-    let table = Table {
+    let table = Board {
         arrived: 0,
         round: 0,
         left: None,
@@ -87,7 +87,7 @@ pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::
 }
 
 impl Shared {
-    fn table(&self) -> MutexGuard<'_, Table> {
+    fn table(&self) -> MutexGuard<'_, Board> {
         self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -114,8 +114,8 @@ impl Thread {
     /// Calls `put`, waits until all ranks have done so, and calls `take`.
     fn meet<R>(
         &self,
-        put: impl FnOnce(&mut Table, usize),
-        take: impl FnOnce(&mut Table, usize) -> R,
+        put: impl FnOnce(&mut Board, usize),
+        take: impl FnOnce(&mut Board, usize) -> R,
     ) -> R {
         put(&mut self.shared.table(), self.rank);
         self.wait();

@@ -9,7 +9,7 @@ use contactbench_detectors::table::TABLE;
 use contactbench_ranks::rank::Failure;
 use contactbench_ranks::share::Share;
 use contactbench_ranks::world::{World, threads};
-use contactbench_ranks::{Row, Setting, Whole, measure, whole};
+use contactbench_ranks::{RankResults, Setting, Whole, measure, whole};
 
 const MEMORY: u64 = 1 << 28;
 
@@ -29,13 +29,13 @@ const SCENES: [&str; 12] = [
     "clustered:n=300,per-cluster=20,size-ratio=5,periodic=true",
 ];
 
-fn ask(given: &Given, detector: &str, ranks: usize) -> Result<Row, Failure> {
+fn ask(given: &Given, detector: &str, ranks: usize) -> Result<RankResults, Failure> {
     let spec = parse(detector).unwrap();
     let setting = Setting { spec: &spec, memory_limit: MEMORY, steps: 1 };
     let rows = threads(ranks, |world| {
         measure(world, "threads", "scene", Share::of(given, world.rank(), ranks), setting)
     });
-    let rows: Result<Vec<Row>, Failure> = rows.unwrap().into_iter().collect();
+    let rows: Result<Vec<RankResults>, Failure> = rows.unwrap().into_iter().collect();
     rows.map(|rows| rows.into_iter().next().unwrap())
 }
 

@@ -9,7 +9,7 @@ use contactbench_ground::periodic::Loaded;
 use contactbench_ground::periodic::{ContactList, ImagePair, without_shift};
 use contactbench_ground::scene::{AnyScene, Lattice, Radii, Scene};
 use contactbench_lists::searcher::Searcher;
-use contactbench_ranks::bodies::Numbered;
+use contactbench_ranks::particles::Numbered;
 use contactbench_ranks::rank::{Failure, Rank, Traffic, together};
 use contactbench_ranks::world::{Thread, World, threads};
 use contactbench_terms::mix::splitmix64;
@@ -34,8 +34,8 @@ where
         let n = scene.len();
         let rows = n * world.rank() / ranks..n * (world.rank() + 1) / ranks;
         let order: Vec<u32> = (rows.start as u32..rows.end as u32).collect();
-        let bodies = Numbered::new(&scene.reordered(&order), rows.start as u64)?;
-        let mut rank = Rank::new(world, bodies, lattice)?;
+        let particles = Numbered::new(&scene.reordered(&order), rows.start as u64)?;
+        let mut rank = Rank::new(world, particles, lattice)?;
         let mut searcher = Searcher::new(spec.make(OPTIONS));
         let mut contacts = ContactList::default();
         let mut traffic = Traffic::default();
@@ -142,8 +142,8 @@ fn a_lattice_is_divided_evenly_for_any_row_length() {
     let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
     let own = threads(2, |world| {
         let rows: Vec<u32> = if world.rank() == 0 { (0..64 * 16 * 32).collect() } else { vec![] };
-        let bodies = Numbered::new(&scene.reordered(&rows), 0).unwrap();
-        Rank::new(world, bodies, None).unwrap().own()
+        let particles = Numbered::new(&scene.reordered(&rows), 0).unwrap();
+        Rank::new(world, particles, None).unwrap().own()
     });
     for own in own.unwrap() {
         assert!((13_000..20_000).contains(&own), "{own}");
@@ -224,8 +224,8 @@ fn slabs_lie_along_the_longest_axis_however_long() {
     let scene = Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap();
     let direction = threads(2, |world| {
         let rows: &[u32] = if world.rank() == 0 { &[0, 1] } else { &[] };
-        let bodies = Numbered::new(&scene.reordered(rows), 0).unwrap();
-        Rank::new(world, bodies, None).unwrap().slabs().direction()
+        let particles = Numbered::new(&scene.reordered(rows), 0).unwrap();
+        Rank::new(world, particles, None).unwrap().slabs().direction()
     });
     assert_eq!(direction.unwrap(), [(1, false); 2]);
 }

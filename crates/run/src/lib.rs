@@ -2,9 +2,9 @@
 //! and recommends detectors.
 
 pub mod check;
-pub mod moving;
 pub mod plan;
 pub mod recommend;
 pub mod run;
+pub mod tracking;
 pub mod truth;
 pub mod verify;

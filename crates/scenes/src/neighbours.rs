@@ -7,7 +7,7 @@
 
 use anyhow::{bail, ensure};
 
-use crate::generate::table::{Kind, Parameter, optional};
+use crate::generate::table::{Parameter, ParameterKind, optional};
 use crate::stats::stats;
 use crate::touching::{in_any_box, particle};
 use contactbench_ground::contact::Arithmetic;
@@ -20,7 +20,7 @@ use contactbench_streamed::streamed;
 
 pub const NEIGHBOURS: Parameter = optional(
     "neighbours",
-    Kind::POSITIVE,
+    ParameterKind::POSITIVE,
     "mean number of contacts per particle: all radii are multiplied by one factor to get it",
 );
 

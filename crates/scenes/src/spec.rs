@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context, anyhow, ensure};
 use serde_json::Value;
 
-pub use crate::generate::table::{GENERATORS, Generator, Kind, Parameter};
+pub use crate::generate::table::{GENERATORS, Generator, Parameter, ParameterKind};
 use crate::generate::{Inputs, file, hard, table};
 use crate::motion::{self, Frames, Motion};
 use crate::neighbours::{NEIGHBOURS, scaled};
@@ -26,20 +26,20 @@ pub struct Spec {
     pub order: Order,
     /// All parameters with the values used, including defaults.
     pub params: BTreeMap<String, Value>,
-    pub course: Option<Course>,
+    pub trajectory: Option<Trajectory>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Course {
+pub struct Trajectory {
     pub motion: Motion,
     /// Number of frames, including the scene itself.
     pub frames: u64,
 }
 
-impl Course {
+impl Trajectory {
     /// Removes `motion`, `speed`, `motion-seed` and `frames` from the parameters of a scene and
     /// parses them. Without `motion` it returns `None` and keeps the other parameters.
-    pub fn take(params: &mut BTreeMap<String, toml::Value>) -> anyhow::Result<Option<Course>> {
+    pub fn take(params: &mut BTreeMap<String, toml::Value>) -> anyhow::Result<Option<Trajectory>> {
         let Some(kind) = params.remove("motion") else { return Ok(None) };
         let bare = |value: &toml::Value| match value {
             toml::Value::String(text) => text.clone(),
@@ -63,12 +63,12 @@ impl Course {
                 format!("frames = {frames}: it must be a whole number from 2 to {MOST_FRAMES}")
             })
         })?;
-        Ok(Some(Course { motion, frames }))
+        Ok(Some(Trajectory { motion, frames }))
     }
 
     fn axes(&self) -> impl Iterator<Item = (String, Value)> {
         let Motion { kind, speed, seed } = self.motion;
-        let moves = kind != motion::Kind::Rest;
+        let moves = kind != motion::MotionKind::Rest;
         let axes: [(&str, Value, bool); 4] = [
             ("motion", kind.name().into(), true),
             ("frames", self.frames.into(), true),
@@ -98,13 +98,13 @@ impl Spec {
         let params: BTreeMap<String, Value> =
             params.iter().map(|(name, value)| (name.clone(), json(value))).collect();
         let params = table::find(name)?.check(dim, n, &params)?;
-        Ok(Spec { name: name.to_string(), dim, n, seed, order, params, course: None })
+        Ok(Spec { name: name.to_string(), dim, n, seed, order, params, trajectory: None })
     }
 
     /// Returns all parameters, including those of the motion.
     pub fn axes(&self) -> BTreeMap<String, Value> {
-        let course = self.course.iter().flat_map(Course::axes);
-        self.params.clone().into_iter().chain(course).collect()
+        let trajectory = self.trajectory.iter().flat_map(Trajectory::axes);
+        self.params.clone().into_iter().chain(trajectory).collect()
     }
 
     /// Parses a scene as named on the command line:
@@ -167,7 +167,7 @@ impl Spec {
     /// Prepares the frames of a motion and returns them with their number, or `None` for a scene
     /// without motion. `given` must be the result of [`Spec::given`].
     pub fn frames(&self, given: &Given) -> anyhow::Result<Option<(Frames, u64)>> {
-        let Some(Course { motion, frames }) = self.course else { return Ok(None) };
+        let Some(Trajectory { motion, frames }) = self.trajectory else { return Ok(None) };
         let made = Frames::new(given, motion)
             .with_context(|| format!("cannot move the scene '{}'", self.name))?;
         Ok(Some((made, frames)))

@@ -16,7 +16,7 @@
 //! In the flat form the second axis is rounded like x: its steps are added to the steps along x.
 
 use super::grid::{Grid, STEPS_OFF, reach_of};
-use contactbench_ground::contact::{Bodies, Slack};
+use contactbench_ground::contact::{Particles, Slack};
 use contactbench_ground::scene::Real;
 
 /// Limits in steps that decide a contact from the distance of a pair.
@@ -34,14 +34,14 @@ pub(super) struct Bounds {
 impl Bounds {
     /// Computes the bounds for particles in this grid; x wraps around after `turn` steps, if given.
     pub fn new<T: Real, const D: usize>(
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         grid: &Grid<D>,
         turn: Option<f32>,
     ) -> Bounds {
-        let bounds = Bounds::of(bodies.slack(), reach_of(bodies), grid, turn);
+        let bounds = Bounds::of(particles.slack(), reach_of(particles), grid, turn);
         // Twice the radius in steps; the diameter itself could overflow.
-        let sum = 2.0 * grid.length(bodies.uniform().unwrap_or(0.0));
-        Bounds { sum: sum as f32, first_image: bodies.first_image(), ..bounds }
+        let sum = 2.0 * grid.length(particles.uniform().unwrap_or(0.0));
+        Bounds { sum: sum as f32, first_image: particles.first_image(), ..bounds }
     }
 
     /// Computes the bounds for individual radii; pairs farther apart than `reach` do not touch.

@@ -12,7 +12,7 @@
 //! swept like scenes of one size.
 
 use super::grid::CELLS_PER_PARTICLE;
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::company::CLASSES;
 use contactbench_ground::scene::{Real, extremes};
 use contactbench_ground::wide::fill;
@@ -30,7 +30,7 @@ const CLASS: f64 = 2000.0;
 /// A range of bins and the particles in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Class<const D: usize> {
-    pub bodies: usize,
+    pub particles: usize,
     least: f64,
     pub largest: f64,
     sum: f64,
@@ -40,7 +40,7 @@ pub struct Class<const D: usize> {
 
 impl<const D: usize> Class<D> {
     const EMPTY: Class<D> = Class {
-        bodies: 0,
+        particles: 0,
         least: f64::INFINITY,
         largest: 0.0,
         sum: 0.0,
@@ -58,7 +58,7 @@ impl<const D: usize> Class<D> {
         self.largest = if radius > self.largest { radius } else { self.largest };
         self.sum += radius;
         self.least = self.least.min(radius);
-        self.bodies += 1;
+        self.particles += 1;
     }
 
     /// Returns whether radii differ by more than a factor of 2.
@@ -68,7 +68,7 @@ impl<const D: usize> Class<D> {
 
     pub fn with(&self, other: &Class<D>) -> Class<D> {
         Class {
-            bodies: self.bodies + other.bodies,
+            particles: self.particles + other.particles,
             least: self.least.min(other.least),
             largest: self.largest.max(other.largest),
             sum: self.sum + other.sum,
@@ -80,20 +80,20 @@ impl<const D: usize> Class<D> {
     /// Estimates the work for this class in contact tests. Each particle is tested against those in
     /// half of the cells around it. Particles of the `larger` bins visit this class.
     fn work(&self, larger: &[Class<D>]) -> f64 {
-        let n = self.bodies as f64;
+        let n = self.particles as f64;
         let lengths: [f64; D] = fill(|k| self.high[k] - self.low[k] + 2.0 * self.largest);
         let share = lengths.iter().product::<f64>() / (CELLS_PER_PARTICLE * n);
         let edge = (2.0 * self.largest).max(root::<D>(share)).max(f64::MIN_POSITIVE);
         let per_cell = n / lengths.iter().map(|length| length / edge).product::<f64>();
         let visits = |bin: &Class<D>| {
-            let radius = bin.sum / bin.bodies as f64;
+            let radius = bin.sum / bin.particles as f64;
             // A visit tests slightly more than half of the cells in the cube around its reach.
             let width = 2.0 * (radius + self.largest) / edge + 1.0;
             let rows = if D == 2 { width } else { width * width };
-            bin.bodies as f64 * (ROW * 0.8 * rows + (0.6 * per_cell * rows * width).min(0.6 * n))
+            bin.particles as f64 * (ROW * 0.8 * rows + (0.6 * per_cell * rows * width).min(0.6 * n))
         };
         let beside = if D == 2 { 4.5 } else { 13.5 };
-        let full = larger.iter().filter(|bin| bin.bodies > 0);
+        let full = larger.iter().filter(|bin| bin.particles > 0);
         CLASS + n * beside * per_cell + full.map(visits).sum::<f64>()
     }
 }
@@ -112,24 +112,24 @@ pub struct Classes<const D: usize> {
 
 impl<const D: usize> Classes<D> {
     /// Returns the best classes, or `None` if radii are in one octave or particles are too few.
-    pub fn of<T: Real>(bodies: &impl Bodies<T, D>) -> Option<Classes<D>> {
-        let n = bodies.len() as u32;
-        if bodies.uniform().is_some() || bodies.len() < FEWEST {
+    pub fn of<T: Real>(particles: &impl Particles<T, D>) -> Option<Classes<D>> {
+        let n = particles.len() as u32;
+        if particles.uniform().is_some() || particles.len() < FEWEST {
             return None;
         }
-        let (least, largest) = extremes(bodies.len(), |id| bodies.radius(id as u32))?;
+        let (least, largest) = extremes(particles.len(), |id| particles.radius(id as u32))?;
         let bins = Bins::new(n as usize, least, largest)?;
         let mut all = [const { Class::EMPTY }; MOST];
         for id in 0..n {
-            let radius = bodies.radius(id);
-            all[bins.of(radius)].take(bodies.position(id), radius);
+            let radius = particles.radius(id);
+            all[bins.of(radius)].take(particles.position(id), radius);
         }
         Some(Classes::best(bins, &all))
     }
 
     /// Returns the partition of the bins with the least estimated work.
     fn best(bins: Bins, all: &[Class<D>; MOST]) -> Classes<D> {
-        let full = |bin: &usize| all[*bin].bodies > 0;
+        let full = |bin: &usize| all[*bin].particles > 0;
         // For each bin: the least work up to it, and the first bin of the class that it ends.
         let mut least = [(0.0, 0); MOST + 1];
         for end in (0..MOST).filter(full) {

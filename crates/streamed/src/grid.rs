@@ -19,7 +19,7 @@
 //! ([`contactbench_ground::detect::company`]), the sparse form with the smallest cells is used
 //! ([`super::sparse`]).
 
-use contactbench_ground::contact::{Bodies, Margin};
+use contactbench_ground::contact::{Margin, Particles};
 use contactbench_ground::detect::company::{CROWD, company};
 use contactbench_ground::filter::cells::MOST_CELLS;
 use contactbench_ground::filter::{axes_by_length, bounds_by};
@@ -99,14 +99,14 @@ pub(super) struct Domain<const D: usize> {
     high: [f64; D],
     lengths: [f64; D],
     reach: f64,
-    bodies: usize,
+    particles: usize,
 }
 
 impl<const D: usize> Domain<D> {
     /// Creates a domain for this many particles; a pair farther apart than `reach` does not touch.
     /// Fails with [`Refusal::Extent`] if the box is too large.
-    pub fn new(corners: Corners<D>, reach: f64, bodies: usize) -> Result<Domain<D>, Refusal> {
-        Ok(Domain::along(axes(corners)?, corners, reach, bodies))
+    pub fn new(corners: Corners<D>, reach: f64, particles: usize) -> Result<Domain<D>, Refusal> {
+        Ok(Domain::along(axes(corners)?, corners, reach, particles))
     }
 
     /// Does the same as [`Domain::new`] with the axes in a given order.
@@ -114,7 +114,7 @@ impl<const D: usize> Domain<D> {
         axes: [usize; D],
         (low, high): Corners<D>,
         reach: f64,
-        bodies: usize,
+        particles: usize,
     ) -> Domain<D> {
         Domain {
             axes,
@@ -122,7 +122,7 @@ impl<const D: usize> Domain<D> {
             high: axes.map(|k| high[k]),
             lengths: axes.map(|k| high[k] - low[k]),
             reach: reach.clamp(f64::MIN_POSITIVE * 4.0, f64::MAX),
-            bodies,
+            particles,
         }
     }
 
@@ -136,7 +136,7 @@ impl<const D: usize> Domain<D> {
     /// Returns the grid for the dense form, if its cells can be numbered, and whether particles may
     /// crowd in it because its cells are wider than the reach.
     pub fn dense(&self) -> Option<(Grid<D>, bool)> {
-        let edge = edge_for(self.lengths, self.reach, self.bodies);
+        let edge = edge_for(self.lengths, self.reach, self.particles);
         let wide = self.grid(edge, FRACTION);
         // The lowest 32 bits of the coordinates must determine x and the row of a particle. Bundles
         // of layers have lists, so their number is limited.
@@ -144,7 +144,7 @@ impl<const D: usize> Domain<D> {
         if bits < FEWEST || wide.count[D - 1] >= 1 << 31 {
             return None;
         }
-        Some((self.grid(edge, bits), edge != self.reach && self.bodies > FEW))
+        Some((self.grid(edge, bits), edge != self.reach && self.particles > FEW))
     }
 
     /// Returns a grid that is flat along the shortest axis, or `None` if this form does not pay. It
@@ -162,10 +162,10 @@ impl<const D: usize> Domain<D> {
         };
         let count = turned.grid(self.reach, FRACTION).count;
         let columns = count[0] as f64 * if D == 2 { 1.0 } else { count[D - 1] as f64 };
-        let (n, bits) = (self.bodies as f64, bits_for(&count[..2]));
+        let (n, bits) = (self.particles as f64, bits_for(&count[..2]));
         let few =
             columns <= COLUMNS_PER_BODY * n.max(64.0) && bits >= FEWEST && count[D - 1] < 1 << 31;
-        let pays = self.bodies <= FEW && n <= COLUMN[D - 2] * columns;
+        let pays = self.particles <= FEW && n <= COLUMN[D - 2] * columns;
         (few && (pays || asked)).then(|| Grid { flat: true, ..turned.grid(self.reach, bits) })
     }
 
@@ -173,7 +173,7 @@ impl<const D: usize> Domain<D> {
         // Points touch only where they coincide (or underflow), so larger cells are safe.
         let points = if points {
             self.lengths.iter().copied().fold(0.0, f64::max)
-                / libm::pow(self.bodies.max(1) as f64, 1.0 / D as f64)
+                / libm::pow(self.particles.max(1) as f64, 1.0 / D as f64)
         } else {
             0.0
         };
@@ -194,25 +194,25 @@ impl<const D: usize> Grid<D> {
     /// Returns a grid, and its form: the one that is asked for, or one that suits the scene. The
     /// bounding box is computed on `threads` threads.
     pub fn new<T: Real>(
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         asked: Option<Form>,
         threads: usize,
     ) -> Result<(Grid<D>, Form), Refusal> {
-        let reach = reach_of(bodies);
-        let domain = Domain::new(bounds_by(bodies, threads), reach, bodies.len())?;
+        let reach = reach_of(particles);
+        let domain = Domain::new(bounds_by(particles, threads), reach, particles.len())?;
         if let None | Some(Form::Flat) = asked
             && let Some(grid) = domain.flat(asked.is_some())
-            && (asked.is_some() || !crowded(&grid, bodies))
+            && (asked.is_some() || !crowded(&grid, particles))
         {
             return Ok((grid, Form::Flat));
         }
         if asked != Some(Form::Sparse)
             && let Some((grid, may_crowd)) = domain.dense()
-            && (asked.is_some() || !may_crowd || !crowded(&grid, bodies))
+            && (asked.is_some() || !may_crowd || !crowded(&grid, particles))
         {
             return Ok((grid, Form::Dense));
         }
-        Ok((domain.sparse(reach <= bodies.underflow())?, Form::Sparse))
+        Ok((domain.sparse(reach <= particles.underflow())?, Form::Sparse))
     }
 
     /// Returns the coordinates of a particle in integer steps, in the order of the grid's axes.
@@ -257,19 +257,19 @@ impl<const D: usize> Grid<D> {
     }
 }
 
-fn crowded<T: Real, const D: usize>(grid: &Grid<D>, bodies: &impl Bodies<T, D>) -> bool {
-    let cell = |id| (0, grid.cell(bodies.position(id)));
-    company(bodies.len(), cell, |_| bodies.len())[0] > CROWD
+fn crowded<T: Real, const D: usize>(grid: &Grid<D>, particles: &impl Particles<T, D>) -> bool {
+    let cell = |id| (0, grid.cell(particles.position(id)));
+    company(particles.len(), cell, |_| particles.len())[0] > CROWD
 }
 
 /// Returns the reach of the contact test. For textbook margins it is the reach of the safe test,
 /// because integer steps have no textbook form.
-pub(super) fn reach_of<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> f64 {
-    match bodies.margin() {
-        Margin::Safe => bodies.reach(),
+pub(super) fn reach_of<T: Real, const D: usize>(particles: &impl Particles<T, D>) -> f64 {
+    match particles.margin() {
+        Margin::Safe => particles.reach(),
         Margin::Textbook => {
-            let half = 0.5 * bodies.reach();
-            bodies.slack().reach(half, half)
+            let half = 0.5 * particles.reach();
+            particles.slack().reach(half, half)
         }
     }
 }

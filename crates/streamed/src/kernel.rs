@@ -123,7 +123,7 @@ const KEPT: usize = 8;
 const ENOUGH: usize = 512;
 const _: () = assert!(ENOUGH + 5 * LANES + 2 * KEPT <= ROOM);
 
-struct Found {
+struct Tested {
     at: usize,
     /// Nonzero if the contact test must decide a pair.
     odd: u32,
@@ -298,9 +298,15 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
 
     /// Collects the neighbours of a particle behind those `kept` so far.
     #[inline(always)]
-    fn collect<W: Wide>(&mut self, w: W, around: Around<W, D>, longest: u32, kept: usize) -> Found {
+    fn collect<W: Wide>(
+        &mut self,
+        w: W,
+        around: Around<W, D>,
+        longest: u32,
+        kept: usize,
+    ) -> Tested {
         let (used, ranges) = (ranges_used::<F, D>(), around.ranges);
-        let mut found = Found { at: kept, odd: 0, counts: 0 };
+        let mut found = Tested { at: kept, odd: 0, counts: 0 };
         // Most ranges are short, so two are tested at a time.
         let short = |r: usize| ranges[r].1 | ranges[r + 1].1 < HALF as u32;
         let mut r = 0;
@@ -350,14 +356,14 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     }
 
     #[inline(always)]
-    fn keep_one<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
+    fn keep_one<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Tested) {
         let (source, valid) = self.range(a.ranges[r], r);
         let query = self.query(w, a.place, &a.shifts[r]);
         self.keep(w, source, valid, &query, a.limits, found);
     }
 
     #[inline(always)]
-    fn keep_two<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
+    fn keep_two<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Tested) {
         let (low, valid) = self.range(a.ranges[r], r);
         let (high, valid_high) = self.range(a.ranges[r + 1], r + 1);
         let query = self.query(w, a.place, &a.halves[r / 2]);
@@ -372,7 +378,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         valid: u32,
         query: &Query<W, D>,
         limits: Limits<W>,
-        found: &mut Found,
+        found: &mut Tested,
     ) {
         let (near, sure) =
             test::<_, D, EACH>(w, source, valid, query, limits, self.bounds.grow, F::TURN);

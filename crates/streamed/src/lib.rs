@@ -71,7 +71,7 @@ use output::Space;
 use slab::Slab;
 use sparse::Sparse;
 
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::any::{AnyDetector, Both, Refuses};
 use contactbench_ground::detect::copies::{self, Touch};
 use contactbench_ground::detect::numbered;
@@ -166,39 +166,39 @@ impl<const D: usize> Declare for Streamed<D> {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Streamed<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        if self.form.is_none() && bodies.len() <= copies::FEW {
+        if self.form.is_none() && particles.len() <= copies::FEW {
             self.formula = 0;
-            copies::all_pairs(&bodies, probe, sink);
+            copies::all_pairs(&particles, probe, sink);
             return Ok(());
         }
-        let classes = if self.form == Some(Form::Sparse) { None } else { Classes::of(&bodies) };
+        let classes = if self.form == Some(Form::Sparse) { None } else { Classes::of(&particles) };
         match classes {
-            Some(classes) => self.by_class(&classes, bodies, probe, sink),
-            None => self.sweep(bodies, probe, sink),
+            Some(classes) => self.by_class(&classes, particles, probe, sink),
+            None => self.sweep(particles, probe, sink),
         }
     }
 }
 
 impl<const D: usize> Streamed<D> {
     /// Finds the contacts of particles that form one size class.
-    fn sweep<T: Real, B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn sweep<T: Real, B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let n = bodies.len();
+        let n = particles.len();
         numbered(NAME, n)?;
         let threads = if P::SILENT && n >= FEWEST_FOR_THREADS { self.options.threads } else { 1 };
-        let (grid, form) = Grid::new(&bodies, self.form, threads)?;
+        let (grid, form) = Grid::new(&particles, self.form, threads)?;
         let turn = if form == Form::Sparse { sparse::TURN } else { None };
-        let bounds = Bounds::new(&bodies, &grid, turn);
+        let bounds = Bounds::new(&particles, &grid, turn);
         let Streamed { options, level, workers, uniform, each, formula, .. } = self;
         let mut run = Run {
             options,
@@ -209,31 +209,31 @@ impl<const D: usize> Streamed<D> {
             n,
             grid,
             bounds,
-            touch: &|i, j, probe: &mut P| bodies.touch(i, j, probe),
-            touch_silent: &|i, j, probe: &mut Silent| bodies.touch(i, j, probe),
+            touch: &|i, j, probe: &mut P| particles.touch(i, j, probe),
+            touch_silent: &|i, j, probe: &mut Silent| particles.touch(i, j, probe),
         };
-        match (form, bodies.uniform().is_some()) {
+        match (form, particles.uniform().is_some()) {
             (Form::Dense | Form::Flat, true) => run.dense::<_, _, false>(
                 &mut uniform.lists,
-                &|lists, share, plan| lists.fill(&bodies, share, &grid, plan, *level),
+                &|lists, share, plan| lists.fill(&particles, share, &grid, plan, *level),
                 probe,
                 sink,
             ),
             (Form::Dense | Form::Flat, false) => run.dense::<_, _, true>(
                 &mut each.lists,
-                &|lists, share, plan| lists.fill(&bodies, share, &grid, plan, *level),
+                &|lists, share, plan| lists.fill(&particles, share, &grid, plan, *level),
                 probe,
                 sink,
             ),
             (Form::Sparse, true) => run.sparse::<_, _, false>(
                 &mut uniform.sparse,
-                &|sparse| sparse.fill(&bodies, &grid),
+                &|sparse| sparse.fill(&particles, &grid),
                 probe,
                 sink,
             ),
             (Form::Sparse, false) => run.sparse::<_, _, true>(
                 &mut each.sparse,
-                &|sparse| sparse.fill(&bodies, &grid),
+                &|sparse| sparse.fill(&particles, &grid),
                 probe,
                 sink,
             ),

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::grid::Grid;
 use super::plan::Plan;
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::limits::pages::Array;
 use contactbench_ground::limits::refusal::at_least;
 use contactbench_ground::radix::prefetch_to_write;
@@ -124,17 +124,17 @@ impl<const D: usize, R: Size> Lists<D, R> {
 
     pub fn fill<T: Real>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
-        particles: Range<usize>,
+        particles: &impl Particles<T, D>,
+        range: Range<usize>,
         grid: &Grid<D>,
         plan: &Plan,
         level: Level,
     ) {
-        let mut filling = self.begin(particles.len(), plan);
+        let mut filling = self.begin(range.len(), plan);
         level.run(Fill {
-            position: |id| bodies.position(id),
-            radius: |id| bodies.radius(id),
-            ids: particles.start as u32..particles.end as u32,
+            position: |id| particles.position(id),
+            radius: |id| particles.radius(id),
+            ids: range.start as u32..range.end as u32,
             grid,
             slabs: plan.slabs,
             lists: self,
@@ -294,7 +294,7 @@ impl<const D: usize> Filling<D> {
     /// Checks that all coordinates were inside the grid; must be called after the last particle.
     pub fn end(self, grid: &Grid<D>) {
         // The kernel relies on coordinates inside the grid without further checks. They may be
-        // outside if positions in `Bodies` have changed since the grid was made.
+        // outside if positions in `Particles` have changed since the grid was made.
         assert!(
             (0..D).all(|k| self.most[k] >> grid.bits < grid.count[k]),
             "positions changed during a detection"

@@ -16,7 +16,7 @@ use super::output::Output;
 use super::ranges::{Find, Ranges};
 use super::slab::Slab;
 use super::{Deliver, NAME, PairSink, Run};
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::within;
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::limits::refusal::at_least;
@@ -123,8 +123,8 @@ impl<const D: usize, R: Size> Sparse<D, R> {
             + (size_of::<Ranges>() * most + size_of::<Scratch>()) as u64
     }
 
-    pub fn fill<T: Real>(&mut self, bodies: &impl Bodies<T, D>, grid: &Grid<D>) {
-        let n = bodies.len();
+    pub fn fill<T: Real>(&mut self, particles: &impl Particles<T, D>, grid: &Grid<D>) {
+        let n = particles.len();
         self.places.clear();
         if n > self.places.capacity() {
             self.places = Vec::new();
@@ -132,10 +132,13 @@ impl<const D: usize, R: Size> Sparse<D, R> {
         }
         let fraction = |q: u64| (q & ((1 << FRACTION) - 1)) as u16;
         self.places.extend((0..n as u32).map(|id| {
-            let steps = grid.steps(bodies.position(id));
+            let steps = grid.steps(particles.position(id));
             let (layer, row) = (steps[D - 1], if D == 2 { 0 } else { steps[1] });
-            let radius =
-                if R::EACH { R::new(grid.length(bodies.radius(id)) as f32) } else { R::default() };
+            let radius = if R::EACH {
+                R::new(grid.length(particles.radius(id)) as f32)
+            } else {
+                R::default()
+            };
             let cells = layer >> FRACTION << 32 | row >> FRACTION;
             Place {
                 row: cells,

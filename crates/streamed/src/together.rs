@@ -62,7 +62,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Together<'_, '_, F, D
                 let id = sweep.slab.ids[place];
                 let output = &mut sweep.output;
                 let (mut many, mut odd) = (output.found, 0);
-                let mut row = Row::new(&sweep.work.candidates, first);
+                let mut row = Candidates::new(&sweep.work.candidates, first);
                 while row.at < filled {
                     let (near, sure) =
                         test::<_, D, EACH>(w, row, !0, &query, limits, sweep.bounds.grow, F::TURN);
@@ -100,7 +100,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Doubtful<'_, '_, F, D
         let (query, limits) = (sweep.query(w, place, &[w.all(0.0); D]), sweep.limits(w));
         let id = sweep.slab.ids[place];
         for at in candidates.step_by(LANES) {
-            let row = Row::new(&sweep.work.candidates, at);
+            let row = Candidates::new(&sweep.work.candidates, at);
             let (near, sure) =
                 test::<_, D, EACH>(w, row, !0, &query, limits, sweep.bounds.grow, F::TURN);
             sweep.output.one_by_one(id, row, (near, sure));
@@ -110,17 +110,17 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Doubtful<'_, '_, F, D
 
 /// Sixteen copied candidates, from place `at` on.
 #[derive(Clone, Copy)]
-struct Row<'a, const D: usize> {
+struct Candidates<'a, const D: usize> {
     lanes: [&'a [f32; TOGETHER + LANES]; D],
     radii: &'a [f32],
     ids: &'a [u32; TOGETHER + LANES],
     at: usize,
 }
 
-impl<'a, const D: usize> Row<'a, D> {
+impl<'a, const D: usize> Candidates<'a, D> {
     #[inline(always)]
-    fn new(copies: &'a Copies, at: usize) -> Row<'a, D> {
-        Row {
+    fn new(copies: &'a Copies, at: usize) -> Candidates<'a, D> {
+        Candidates {
             lanes: std::array::from_fn(|k| &copies.lanes[k]),
             radii: &copies.radii,
             ids: &copies.ids,
@@ -135,7 +135,7 @@ impl<'a, const D: usize> Row<'a, D> {
     }
 }
 
-impl<const D: usize> Source<D> for Row<'_, D> {
+impl<const D: usize> Source<D> for Candidates<'_, D> {
     #[inline(always)]
     fn load<W: Wide>(&self, w: W, axis: usize) -> W::Floats {
         let lane: &[f32] = if axis < D { self.lanes[axis] } else { self.radii };

@@ -1,6 +1,6 @@
 //! Size classes of `streamed-nbs`, tested outside of the crate, whose code is then compiled once.
 
-use contactbench_ground::contact::{Bodies, Test, any_bodies};
+use contactbench_ground::contact::{Particles, Test, any_particles};
 use contactbench_ground::scene::{Radii, Scene};
 use contactbench_streamed::classes::Classes;
 use nalgebra::Point;
@@ -25,19 +25,19 @@ fn dusty(giants: &[f64], dust: impl Fn(u32) -> f64) -> Vec<f64> {
 
 fn classes(radii: Vec<f64>, edge: f64) -> Vec<usize> {
     let scene = scene::<3>(radii, edge);
-    let bodies = any_bodies(&scene, Test::Exact).unwrap();
-    let Some(classes) = Classes::of(&bodies) else { return Vec::new() };
+    let particles = any_particles(&scene, Test::Exact).unwrap();
+    let Some(classes) = Classes::of(&particles) else { return Vec::new() };
     if classes.all().len() == 1 {
         return Vec::new();
     }
     let mut found = vec![0; classes.all().len()];
-    for id in 0..bodies.len() as u32 {
-        let class = &classes.all()[classes.number(bodies.radius(id))];
-        assert!(bodies.radius(id) <= class.largest);
-        assert!(class.is_wide() || 2.0 * bodies.radius(id) >= class.largest);
-        found[classes.number(bodies.radius(id))] += 1;
+    for id in 0..particles.len() as u32 {
+        let class = &classes.all()[classes.number(particles.radius(id))];
+        assert!(particles.radius(id) <= class.largest);
+        assert!(class.is_wide() || 2.0 * particles.radius(id) >= class.largest);
+        found[classes.number(particles.radius(id))] += 1;
     }
-    assert_eq!(found, classes.all().iter().map(|class| class.bodies).collect::<Vec<_>>());
+    assert_eq!(found, classes.all().iter().map(|class| class.particles).collect::<Vec<_>>());
     found
 }
 

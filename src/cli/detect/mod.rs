@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use anyhow::{Context, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use self::search::{Found, Pairs, Search};
+use self::search::{Pairs, Search, SearchResult};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::tell;
 use crate::cli::shared::limit::Limit;
@@ -19,7 +19,7 @@ use contactbench_ground::contact::Arithmetic;
 use contactbench_io as io;
 use contactbench_io::boxes::along;
 use contactbench_io::write::Extra;
-use contactbench_io::{Frame, Place};
+use contactbench_io::{FrameChoice, Place};
 use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]
@@ -130,7 +130,8 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         options.source.scene.as_deref() != Some("-"),
         "'-' is not a file; to read standard input, give /dev/stdin"
     );
-    if let (Some(Frame::All), Some(text)) = (options.source.input.frame, &options.source.scene)
+    if let (Some(FrameChoice::All), Some(text)) =
+        (options.source.input.frame, &options.source.scene)
         && io::exists(Path::new(text))
     {
         return frames::detect(options, &spec, Path::new(text));
@@ -144,7 +145,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     tell(&name, found.doubt(&given).as_slice(), Place::Argument);
     let style = search::style(options, &given, periodic.as_ref(), ids.as_deref(), options.ids);
     io::write::contacts(options.out.as_deref(), found.pairs.iter(), &style)?;
-    let Found { time, memory, pairs, images, .. } = &found;
+    let SearchResult { time, memory, pairs, images, .. } = &found;
     let across = match (&given.lattice, pairs) {
         (Some(lattice), Pairs::Boxed(pairs)) => format!(
             ", {} of them across the box, periodic along {} ({} made)",

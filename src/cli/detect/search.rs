@@ -35,7 +35,7 @@ pub(super) enum Pairs {
     Boxed(Vec<ImagePair>),
 }
 
-pub(super) struct Found {
+pub(super) struct SearchResult {
     pub pairs: Pairs,
     /// Number of periodic images that the search made.
     pub images: usize,
@@ -66,7 +66,7 @@ pub(super) fn style<'a>(
     Style { scene, periodic, ids, by_id, extras: &options.extras }
 }
 
-impl Found {
+impl SearchResult {
     /// Returns the doubt about the sizes of a file, if there are far too many contacts.
     pub fn doubt(&self, given: &Given) -> Option<Notice> {
         let each = 2.0 * self.pairs.iter().len() as f64 / given.scene.len().max(1) as f64;
@@ -86,7 +86,7 @@ impl Search {
         &mut self,
         given: &Given,
         periodic: Option<&Periodic<'_>>,
-    ) -> anyhow::Result<Found> {
+    ) -> anyhow::Result<SearchResult> {
         let Search { memory_limit, arithmetic, threads, ref mut detector, ref mut finder } = *self;
         let scene = match periodic {
             None => {
@@ -119,6 +119,6 @@ impl Search {
                 (Pairs::Boxed(pairs), finder.images() as usize)
             }
         };
-        Ok(Found { pairs, images, time, memory })
+        Ok(SearchResult { pairs, images, time, memory })
     }
 }

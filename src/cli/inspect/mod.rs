@@ -7,7 +7,7 @@ use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::output::Output;
 use contactbench_ground::limits::memory::limit_for;
 use contactbench_io as io;
-use contactbench_io::{About, Frame, Particles, Place, RadiusSource};
+use contactbench_io::{About, FrameChoice, Particles, Place, RadiusSource};
 use contactbench_scenes::stats::stats;
 use contactbench_scenes::touching::in_any_box;
 use contactbench_terms::number::number;
@@ -31,8 +31,8 @@ pub struct Inspect {
 /// Reads the file, finds the contacts, prints both, and warns.
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     // If --frame all is given, `inspect` describes the last frame, and then the motion.
-    let all = options.input.frame == Some(Frame::All);
-    let frame = if all { Frame::Last } else { options.input.options().frame };
+    let all = options.input.frame == Some(FrameChoice::All);
+    let frame = if all { FrameChoice::Last } else { options.input.options().frame };
     let (particles, about) = input::load(
         &options.file,
         &options.input,
@@ -69,7 +69,7 @@ fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Ou
         _ => format!("; read: frame {frame} (numbered from 0)"),
     };
     out.line("frames", format!("{frames}{which}"), json!({ "frames": frames, "frame": frame }));
-    if frames > 1 && options.input.frame != Some(Frame::All) {
+    if frames > 1 && options.input.frame != Some(FrameChoice::All) {
         out.warn(format!(
             "the file has {frames} frames, numbered from 0; only frame {frame} is described"
         ));

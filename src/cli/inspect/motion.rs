@@ -10,7 +10,7 @@ use crate::cli::shared::tracking;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::limits::memory;
 use contactbench_io as io;
-use contactbench_run::moving::{Check, Moved, Question, Recorded, follow};
+use contactbench_run::tracking::{Check, Moved, Question, Recorded, follow};
 use contactbench_terms::number::plural;
 
 /// Prints the motion from frame to frame, or warns if it cannot be read.

@@ -11,7 +11,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use crate::cli::shared::scene::WithIds;
 use contactbench_io as io;
 use contactbench_io::Given;
-use contactbench_io::{Boundaries, FileOption, Frame, Notice, Place};
+use contactbench_io::{Boundaries, FileOption, FrameChoice, Notice, Place};
 use contactbench_scenes::origin::Origin;
 use contactbench_scenes::spec::{GENERATORS, Spec};
 use contactbench_terms::nearest::{hint, nearest};
@@ -21,7 +21,7 @@ use contactbench_terms::nearest::{hint, nearest};
 pub struct Input {
     pub radius: Option<f64>,
     /// `None` if no frame was chosen.
-    pub frame: Option<Frame>,
+    pub frame: Option<FrameChoice>,
     pub boundaries: Boundaries,
     options: io::Options,
 }
@@ -87,7 +87,7 @@ impl FromArgMatches for Input {
 impl Input {
     /// Returns the options for the readers; the default is the last frame.
     pub fn options(&self) -> io::Options {
-        io::Options { frame: self.frame.unwrap_or(Frame::Last), ..self.options }
+        io::Options { frame: self.frame.unwrap_or(FrameChoice::Last), ..self.options }
     }
 
     /// Returns whether any option was given.
@@ -179,7 +179,7 @@ pub fn frames<T>(
     body: impl FnOnce(io::Frames<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     is_file(path)?;
-    explained(path, io::frames(path, io::Options { frame: Frame::All, ..options }, body))
+    explained(path, io::frames(path, io::Options { frame: FrameChoice::All, ..options }, body))
 }
 
 /// Fails if the path is the name of a generated scene.

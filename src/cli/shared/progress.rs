@@ -5,7 +5,7 @@ use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use crate::cli::shared::terminal::say;
-use contactbench_run::run::stage::{Found, Progress};
+use contactbench_run::run::stage::{Progress, Winner};
 use contactbench_terms::number::number;
 use contactbench_terms::text::line;
 
@@ -124,7 +124,7 @@ impl Progress for Terminal<'_> {
         }
     }
 
-    fn found(&mut self, found: &Found) {
+    fn found(&mut self, found: &Winner) {
         if !std::mem::replace(&mut self.headed, true) {
             let heads = ["scene", "fastest", "ns/N", "second", "times", "contacts", "right"];
             self.note(&columns(heads));

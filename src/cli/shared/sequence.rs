@@ -8,9 +8,9 @@ use crate::cli::shared::input;
 use crate::cli::shared::scene::Source;
 use contactbench_io as io;
 use contactbench_io::Given;
-use contactbench_io::{Frame, Place};
-use contactbench_run::moving::Recorded;
-use contactbench_scenes::motion::{self, Frames, Kind, Motion};
+use contactbench_io::{FrameChoice, Place};
+use contactbench_run::tracking::Recorded;
+use contactbench_scenes::motion::{self, Frames, Motion, MotionKind};
 
 pub struct Sequence<'a> {
     /// Name of the scene or the file.
@@ -26,7 +26,7 @@ pub struct Sequence<'a> {
 /// Default number of frames of a motion.
 pub const FRAMES: u64 = 100;
 
-const DRIFT: Motion = Motion { kind: Kind::Drift, speed: motion::SPEED, seed: motion::SEED };
+const DRIFT: Motion = Motion { kind: MotionKind::Drift, speed: motion::SPEED, seed: motion::SEED };
 
 /// Passes at most `frames` frames to `body`. A scene of one frame is moved by `motion`, by default
 /// a drift. A file is read once.
@@ -39,7 +39,7 @@ pub fn sequence<T>(
     ensure!(frames != Some(0), "--frames 0: give at least 1");
     let Source { scene, input } = source;
     // If a motion is given or one frame chosen, the motion moves that frame.
-    let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
+    let all = motion.is_none() && matches!(input.frame, None | Some(FrameChoice::All));
     if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && io::exists(path)) {
         let options = io::Options { ids: true, ..input.options() };
         return input::frames(path, options, |of_file| {

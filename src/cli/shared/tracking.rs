@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use contactbench_detectors::spec::DetectorSpec;
 use contactbench_report::document::Block;
 use contactbench_report::table::{Cell, Table};
-use contactbench_run::moving::{Check, Followed, Moved, SEED, Tracked};
+use contactbench_run::tracking::{Check, Followed, Moved, SEED, Tracked};
 use contactbench_terms::number::{number, percent, plural, radii};
 
 /// Returns the median and the longest time of a frame, in nanoseconds per particle.

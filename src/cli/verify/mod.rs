@@ -13,7 +13,7 @@ use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_io::pairs::{self, List};
-use contactbench_io::{self as io, About, Frame, Particles, Without};
+use contactbench_io::{self as io, About, FrameChoice, Particles, Without};
 use contactbench_run::verify::Allowed;
 use contactbench_run::verify::frame::Asked;
 use contactbench_run::verify::frames::All;
@@ -48,7 +48,7 @@ pub struct Verify {
     pairs_columns: Option<String>,
     /// Frame of the list [default: that of --frame]
     #[arg(long, value_name = "FRAME")]
-    pairs_frame: Option<Frame>,
+    pairs_frame: Option<FrameChoice>,
     /// see: list; --rule open: < not <=
     #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic(), default_value_t)]
     #[arg(hide_possible_values = true)]
@@ -73,10 +73,10 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         "--skin {skin}: it must be a finite length of at least 0"
     );
     ensure!(
-        pairs_frame != Some(Frame::All),
+        pairs_frame != Some(FrameChoice::All),
         "--pairs-frame names the list of one frame; for all give --frame all"
     );
-    let several = options.input.frame == Some(Frame::All);
+    let several = options.input.frame == Some(FrameChoice::All);
     ensure!(
         !several || pairs_frame.is_none(),
         "--pairs-frame and --frame all cannot be used together; leave one out"
@@ -123,7 +123,7 @@ fn each(
     let names = [&options.file, &options.pairs].map(|path| path.display().to_string());
     if several {
         return input::frames(&options.file, asked.input, |frames| {
-            pairs::lists(&options.pairs, &columns, Frame::All, |lists| {
+            pairs::lists(&options.pairs, &columns, FrameChoice::All, |lists| {
                 let mut paired = Paired::new(frames, lists, [&names[0], &names[1]]);
                 while let Some((particles, about, list)) = paired.next_frame()? {
                     body(particles, about, list)?;
@@ -132,7 +132,7 @@ fn each(
             })
         });
     }
-    let frame = options.pairs_frame.or(options.input.frame).unwrap_or(Frame::Last);
+    let frame = options.pairs_frame.or(options.input.frame).unwrap_or(FrameChoice::Last);
     let list = pairs::read(&options.pairs, &columns, frame)?;
     let (particles, about) = input::load(&options.file, &options.input, asked.input)?;
     asked.same_time(&list, &about)?.into_iter().for_each(|note| say!("{note}"));

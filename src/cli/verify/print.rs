@@ -9,9 +9,9 @@ use contactbench_ground::periodic::ImagePair;
 use contactbench_io::boxes::along;
 use contactbench_io::pairs;
 use contactbench_report::table::Table;
-use contactbench_run::moving::Late;
+use contactbench_run::tracking::Late;
 use contactbench_run::verify::frame::Verified;
-use contactbench_run::verify::frames::{All, Row, counted};
+use contactbench_run::verify::frames::{All, FrameResult, counted};
 use contactbench_run::verify::{Meaning, Reading, Taken};
 use contactbench_scenes::touching::particle;
 use contactbench_terms::number::{mean_radii, number, plural};
@@ -52,7 +52,7 @@ pub(super) fn print(options: &Verify, all: &All) -> std::io::Result<()> {
 
 /// Prints which files were compared, and what they hold.
 fn files(out: &mut Output, options: &Verify, all: &All, one: Option<&Verified>) {
-    let sum = |of: fn(&Row) -> u64| all.rows.iter().map(of).sum::<u64>();
+    let sum = |of: fn(&FrameResult) -> u64| all.rows.iter().map(of).sum::<u64>();
     let sizes = || all.rows.iter().map(|row| row.particles);
     let particles = match (sizes().min(), sizes().max()) {
         (Some(least), Some(most)) if least < most => format!("{least} to {most} particles"),
@@ -139,7 +139,7 @@ fn conditions(out: &mut Output, all: &All) {
 }
 
 /// Prints the number of wrong pairs of each kind, and the largest error.
-fn frame(out: &mut Output, row: &Row, one: &Verified, all: &All) {
+fn frame(out: &mut Output, row: &FrameResult, one: &Verified, all: &All) {
     out.values(row_json(row));
     if all.is_same() {
         return out.text("the same: no missed, spurious or repeated pairs");
@@ -204,7 +204,7 @@ fn frames(out: &mut Output, all: &All) {
         let count = plural(of, "frame");
         return out.text(format!("the same in {count}: no missed, spurious or repeated pairs"));
     };
-    let name = |row: &Row| match row.step {
+    let name = |row: &FrameResult| match row.step {
         Some(step) => format!("step {step}"),
         None => format!("frame {}", row.frame),
     };
@@ -264,7 +264,7 @@ fn worst(
     }
 }
 
-fn row_json(row: &Row) -> Value {
+fn row_json(row: &FrameResult) -> Value {
     json!({
         "frame": row.frame,
         "step": row.step,
@@ -279,7 +279,7 @@ fn row_json(row: &Row) -> Value {
     })
 }
 
-fn table(rows: &[&Row]) -> Table {
+fn table(rows: &[&FrameResult]) -> Table {
     let steps = rows.iter().any(|row| row.step.is_some());
     let others = rows.iter().any(|row| row.wrong() > row.errors.missed + row.errors.spurious);
     Table::of("", rows.iter().copied())

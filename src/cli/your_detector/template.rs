@@ -9,7 +9,7 @@
 //! * Refuses scenes over the memory limit.
 //! * Deviations from the source: none.
 
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::{Declare, Detector, Options, within};
 use contactbench_ground::filter;
 use contactbench_ground::limits::refusal::Refusal;
@@ -41,18 +41,18 @@ impl Declare for NewDetector {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let n = bodies.len();
+        let n = particles.len();
         // This check comes before anything is allocated or reported.
         within(&self.options, "new-detector", bytes(n), || format!("{n} particles"))?;
         self.order.clear();
         self.order.reserve_exact(n);
-        self.order.extend((0..n as u32).map(|id| (bodies.position(id)[0], id)));
+        self.order.extend((0..n as u32).map(|id| (particles.position(id)[0], id)));
         self.order.sort_unstable_by(|a, b| {
             probe.count(Op::KeyCompare);
             a.0.total_cmp(&b.0)
@@ -62,10 +62,10 @@ impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
                 probe.count(Op::BoundTest);
                 // Rounding loses no contact here; crate::filter has the proof, also for cells,
                 // boxes and keys.
-                if filter::beyond(x, further, bodies.reach()) {
+                if filter::beyond(x, further, particles.reach()) {
                     break;
                 }
-                if bodies.touch(i, j, probe) {
+                if particles.touch(i, j, probe) {
                     sink.contact(i, j);
                 }
             }

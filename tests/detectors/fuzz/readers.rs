@@ -36,8 +36,12 @@ pub fn fuzz_reader_of(reader: u8, data: &[u8]) {
 /// must read back from its CSV, and its box must have a volume.
 pub fn fuzz_reader(data: &[u8]) {
     let Some((&[kind, how], data)) = data.split_first_chunk() else { return };
-    let frame = [io::Frame::Only, io::Frame::Last, io::Frame::Number(1), io::Frame::Number(0)]
-        [usize::from(how >> 6)];
+    let frame = [
+        io::FrameChoice::Only,
+        io::FrameChoice::Last,
+        io::FrameChoice::Number(1),
+        io::FrameChoice::Number(0),
+    ][usize::from(how >> 6)];
     let clear = |error: anyhow::Error| {
         let message = format!("{error:#}");
         assert!(
@@ -50,9 +54,10 @@ pub fn fuzz_reader(data: &[u8]) {
             let columns = [&[][..], &["i", "j"], &[], &["1", "2", "3", "4"]][usize::from(how) % 4];
             let one = io::pairs::lists_from(data, "bytes", columns, frame, |lists| lists.chosen());
             one.map_or_else(clear, drop);
-            let all = io::pairs::lists_from(data, "bytes", columns, io::Frame::All, |lists| {
-                lists.collect::<anyhow::Result<Vec<_>>>()
-            });
+            let all =
+                io::pairs::lists_from(data, "bytes", columns, io::FrameChoice::All, |lists| {
+                    lists.collect::<anyhow::Result<Vec<_>>>()
+                });
             all.map_or_else(clear, drop);
             return;
         }
@@ -72,7 +77,7 @@ pub fn fuzz_reader(data: &[u8]) {
         part: None,
     };
     let ending = ["", "csv", "xyz", "txt"][usize::from(kind >> 6)];
-    let all = io::Options { frame: io::Frame::All, ..options };
+    let all = io::Options { frame: io::FrameChoice::All, ..options };
     let frames = io::frames_from(data, "bytes", ending, all, |frames| {
         frames.map(|frame| frame?.0.sort_by_id()).collect::<anyhow::Result<Vec<()>>>()
     });

@@ -8,7 +8,7 @@ use contactbench::io;
 use contactbench::scene::{Given, Lattice, Radii, Real, Scene};
 use contactbench_detectors::table;
 use contactbench_detectors::table::{Entry, PLAIN};
-use contactbench_ground::contact::{Arithmetic, Bodies};
+use contactbench_ground::contact::{Arithmetic, Particles};
 use contactbench_ground::detect::any::Both;
 use contactbench_ground::detect::{Declare, Detector, Options};
 use contactbench_ground::limits::refusal::Refusal;
@@ -39,14 +39,14 @@ impl<const WAY: u8> Declare for Mutant<WAY> {
 }
 
 impl<T: Real, const D: usize, const WAY: u8> Detector<T, D> for Mutant<WAY> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
         self.calls += 1;
-        let mut n = bodies.len() as u32;
+        let mut n = particles.len() as u32;
         assert!(WAY != PANICS_AT_TEN_PARTICLES || n < 10, "on purpose");
         if WAY == HANGS_AT_THREE_PARTICLES && n >= 3 {
             loop {
@@ -60,8 +60,9 @@ impl<T: Real, const D: usize, const WAY: u8> Detector<T, D> for Mutant<WAY> {
         for i in 0..n {
             for j in i + u32::from(WAY != PAIRS_PARTICLES_WITH_THEMSELVES)..n {
                 // A sweep that compares with `>=` instead of `>` has this defect.
-                let far = (bodies.position(i)[0] - bodies.position(j)[0]).abs() >= bodies.reach();
-                if bodies.touch(i, j, probe) && !(WAY == SKIPS_PAIRS_AT_REACH && far) {
+                let far = (particles.position(i)[0] - particles.position(j)[0]).abs()
+                    >= particles.reach();
+                if particles.touch(i, j, probe) && !(WAY == SKIPS_PAIRS_AT_REACH && far) {
                     sink.contact(i, j);
                     if std::mem::take(&mut first) && WAY == REPEATS_THE_FIRST_PAIR {
                         sink.contact(j, i);

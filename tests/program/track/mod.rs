@@ -1,7 +1,7 @@
 //! Tests `track`: moving particles and neighbour lists.
 
 mod frames;
-mod moving;
+mod tracking;
 
 use serde_json::{Value, json};
 
@@ -64,7 +64,7 @@ fn experiments_find_of_a_course_what_track_finds() {
             }
         };
         judged += 1;
-        for (key, of_track) in moving::SAME {
+        for (key, of_track) in tracking::SAME {
             assert_eq!(course[key], expected[of_track], "{key}: {row}");
         }
         assert_eq!(row["errors"]["missed"], expected["missed"], "{row}");

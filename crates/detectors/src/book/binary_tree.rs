@@ -22,7 +22,7 @@
 
 use super::list::{EMPTY, Links};
 use super::mask;
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::numbered;
 use contactbench_ground::detect::{Declare, Detector, Options, within};
 use contactbench_ground::filter::Cells;
@@ -79,27 +79,27 @@ impl Levels {
 impl BinaryTree {
     fn run<T: Real, const D: usize, const M: usize>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         mask: [[i32; D]; M],
         probe: &mut impl Probe,
         sink: &mut impl Sink,
     ) -> Result<(), Refusal> {
-        let cells = Cells::new(bodies)?;
-        numbered("binary-tree", bodies.len())?;
+        let cells = Cells::new(particles)?;
+        numbered("binary-tree", particles.len())?;
         let levels = Levels::new(&cells);
-        self.particles = bodies.len();
+        self.particles = particles.len();
         self.nodes.clear();
         within(&self.options, "binary-tree", self.formula_bytes() + 8, || {
-            format!("{} particles", bodies.len())
+            format!("{} particles", particles.len())
         })?;
-        self.e.prepare(bodies.len());
+        self.e.prepare(particles.len());
         self.nodes.push([EMPTY; 2]);
         probe.note(|| Event::Begin(Part::Tree { halvings: levels.halvings }));
-        for k in 0..bodies.len() as u32 {
-            self.insert(k, integerise(bodies, &cells, k, probe), levels, probe)?;
+        for k in 0..particles.len() as u32 {
+            self.insert(k, integerise(particles, &cells, k, probe), levels, probe)?;
         }
         probe.note(|| Event::Begin(Part::Walk));
-        self.walk(bodies, &cells, levels, mask, probe, sink);
+        self.walk(particles, &cells, levels, mask, probe, sink);
         Ok(())
     }
 
@@ -186,7 +186,7 @@ impl BinaryTree {
     /// Checks every leaf, depth first, so that consecutive descents share most of their nodes.
     fn walk<T: Real, const D: usize, const M: usize>(
         &self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         cells: &Cells<D>,
         levels: Levels,
         mask: [[i32; D]; M],
@@ -199,7 +199,7 @@ impl BinaryTree {
         let mut next = Some((0u32, 0usize));
         while let Some((at, level)) = next.take() {
             if level == depth {
-                let central = integerise(bodies, cells, at, probe);
+                let central = integerise(particles, cells, at, probe);
                 probe.note(|| Event::Central { cell: plane(central) });
                 let heads = mask.map(|offset| {
                     let cell = mask::neighbour(central, offset);
@@ -208,7 +208,7 @@ impl BinaryTree {
                     probe.note(|| Event::Descended { cell: plane(cell), first });
                     head
                 });
-                self.e.check(0, bodies, at, heads, probe, sink);
+                self.e.check(0, particles, at, heads, probe, sink);
             } else {
                 probe.count(Op::NodeVisit);
                 probe.note(|| Event::Node { node: at, half: None });
@@ -229,12 +229,12 @@ impl BinaryTree {
 
 #[inline(always)]
 fn integerise<T: Real, const D: usize>(
-    bodies: &impl Bodies<T, D>,
+    particles: &impl Particles<T, D>,
     cells: &Cells<D>,
     k: u32,
     probe: &mut impl Probe,
 ) -> [u32; D] {
-    let position = bodies.position(k);
+    let position = particles.position(k);
     fill(|axis| cells.index(position[axis], axis, probe))
 }
 

@@ -9,7 +9,7 @@
 //! * Refuses a scene only if the contacts collected by several threads exceed the memory limit.
 //! * Deviations from the book: none.
 
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::{Declare, Detector, Options};
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::pairs::sink::Sink;
@@ -35,40 +35,40 @@ impl Declare for Direct {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Direct {
-    // Not inlined and with `bodies` by value: in a large caller, the compiler loads two values from
+    // Not inlined and with `particles` by value: in a large caller, the compiler loads two values from
     // the stack for each pair.
     #[inline(never)]
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let n = bodies.len() as u32;
+        let n = particles.len() as u32;
         self.collected = 0;
         if self.options.threads > 1 && P::SILENT {
-            return self.by_threads(bodies, sink);
+            return self.by_threads(particles, sink);
         }
         for i in 0..n {
-            row(&bodies, i, n, probe, sink);
+            row(&particles, i, n, probe, sink);
         }
         Ok(())
     }
 }
 
 impl Direct {
-    /// Not inlined and with `bodies` by value: a reference would be dereferenced for each pair.
+    /// Not inlined and with `particles` by value: a reference would be dereferenced for each pair.
     #[inline(never)]
-    fn by_threads<T: Real, const D: usize, B: Bodies<T, D>, S: Sink>(
+    fn by_threads<T: Real, const D: usize, B: Particles<T, D>, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         sink: &mut S,
     ) -> Result<(), Refusal> {
         let Options { threads, memory_limit } = self.options;
-        let n = bodies.len();
+        let n = particles.len();
         let found = parallel::contacts((n, n), threads, memory_limit, &|rows, pairs| {
             for i in rows {
-                row(&bodies, i as u32, n as u32, &mut Silent, pairs);
+                row(&particles, i as u32, n as u32, &mut Silent, pairs);
             }
         })?;
         self.collected = parallel::bytes(&found);
@@ -79,14 +79,14 @@ impl Direct {
 
 #[inline(always)]
 fn row<T: Real, const D: usize>(
-    bodies: &impl Bodies<T, D>,
+    particles: &impl Particles<T, D>,
     i: u32,
     n: u32,
     probe: &mut impl Probe,
     sink: &mut impl Sink,
 ) {
     for j in i + 1..n {
-        if bodies.touch(i, j, probe) {
+        if particles.touch(i, j, probe) {
             sink.contact(i, j);
         }
     }

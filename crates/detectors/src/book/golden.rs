@@ -1,6 +1,6 @@
 //! Worked examples of the book, for tests. The book prints integerised coordinates, not centres.
 
-use contactbench_ground::contact::{Bodies, Margin, Slack};
+use contactbench_ground::contact::{Margin, Particles, Slack};
 use contactbench_ground::filter::Cells;
 use contactbench_ground::probe::{Op, Probe};
 
@@ -25,7 +25,7 @@ impl<const D: usize> InCells<'_, D> {
     }
 }
 
-impl<const D: usize> Bodies<f64, D> for InCells<'_, D> {
+impl<const D: usize> Particles<f64, D> for InCells<'_, D> {
     fn len(&self) -> usize {
         self.0.len()
     }

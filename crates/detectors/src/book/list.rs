@@ -5,7 +5,7 @@
 //! -1. A head can be *marked* as old: the book adds N to it, this code sets the highest bit. Each
 //! way leaves room for 2^31 - 1 particles. This module counts all list operations.
 
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::limits::refusal::at_least;
 use contactbench_ground::pairs::sink::Sink;
 use contactbench_ground::probe::event::Event;
@@ -153,7 +153,7 @@ impl<const L: usize> Links<L> {
     pub fn check<T: Real, const D: usize, const M: usize>(
         &self,
         kind: usize,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         central: u32,
         mask: [u32; M],
         probe: &mut impl Probe,
@@ -162,9 +162,9 @@ impl<const L: usize> Links<L> {
         let mut i = central;
         while i != EMPTY {
             let rest = self.next(i, kind, probe);
-            self.check_one(kind, bodies, i, rest, probe, sink);
+            self.check_one(kind, particles, i, rest, probe, sink);
             for first in mask {
-                self.check_one(kind, bodies, i, first, probe, sink);
+                self.check_one(kind, particles, i, first, probe, sink);
             }
             i = rest;
         }
@@ -174,7 +174,7 @@ impl<const L: usize> Links<L> {
     fn check_one<T: Real, const D: usize>(
         &self,
         kind: usize,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         i: u32,
         first: u32,
         probe: &mut impl Probe,
@@ -182,7 +182,7 @@ impl<const L: usize> Links<L> {
     ) {
         let mut j = first;
         while j != EMPTY {
-            let touching = bodies.touch(i, j, probe);
+            let touching = particles.touch(i, j, probe);
             probe.note(|| Event::Test { i, j, touching });
             if touching {
                 sink.contact(i, j);

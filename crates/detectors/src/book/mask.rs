@@ -34,13 +34,13 @@ pub fn neighbour<const D: usize>(central: [u32; D], offset: [i32; D]) -> [u32; D
 macro_rules! detects_by_mask {
     ($detector:ty, $dim:literal, $mask:ident) => {
         impl<T: Real> Detector<T, $dim> for $detector {
-            fn detect<B: Bodies<T, $dim>, P: Probe, S: Sink>(
+            fn detect<B: Particles<T, $dim>, P: Probe, S: Sink>(
                 &mut self,
-                bodies: B,
+                particles: B,
                 probe: &mut P,
                 sink: &mut S,
             ) -> Result<(), Refusal> {
-                self.run(&bodies, mask::$mask, probe, sink)
+                self.run(&particles, mask::$mask, probe, sink)
             }
         }
     };

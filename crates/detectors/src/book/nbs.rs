@@ -31,7 +31,7 @@
 //!   below is then still in the caches. In 3D layers and rows are both taken upwards in this way.
 
 use super::list::{EMPTY, Heads, Links};
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::numbered;
 use contactbench_ground::detect::{Declare, Detector, Options, within};
 use contactbench_ground::filter::Cells;
@@ -68,36 +68,36 @@ impl<const D: usize> Declare for Nbs<D> {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Nbs<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let cells = Cells::new(&bodies)?;
-        self.prepare(&cells, bodies.len())?;
-        let (n, axis) = (bodies.len() as u32, D - 1);
+        let cells = Cells::new(&particles)?;
+        self.prepare(&cells, particles.len())?;
+        let (n, axis) = (particles.len() as u32, D - 1);
         probe.note(|| Event::Begin(Part::Rows));
-        self.push(&bodies, &cells, probe);
+        self.push(&particles, &cells, probe);
         for k in 0..n {
             probe.note(|| Event::Visit { particle: k });
-            let mut at = cells.index(bodies.position(k)[axis], axis, probe);
+            let mut at = cells.index(particles.position(k)[axis], axis, probe);
             while let Some(first) = self.last.take_new(at, probe) {
                 probe.note(|| Event::Begin(Part::CentralRow { row: at }));
                 let below = self.last.first(at - 1, probe);
                 match D {
                     2 => {
                         let next = [self.last.ahead(at + 1), EMPTY];
-                        self.row(&bodies, &cells, at, first, [below], next, probe, sink);
+                        self.row(&particles, &cells, at, first, [below], next, probe, sink);
                     }
-                    _ => self.layer(&bodies, &cells, first, below, probe, sink),
+                    _ => self.layer(&particles, &cells, first, below, probe, sink),
                 }
                 at += 1;
             }
         }
         probe.note(|| Event::Begin(Part::RemoveRows));
         for k in 0..n {
-            self.last.reset(cells.index(bodies.position(k)[axis], axis, probe), probe);
+            self.last.reset(cells.index(particles.position(k)[axis], axis, probe), probe);
         }
         Ok(())
     }
@@ -125,26 +125,26 @@ impl<const D: usize> Nbs<D> {
 
     fn push<T: Real, P: Probe>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         cells: &Cells<D>,
         probe: &mut P,
     ) {
-        for k in 0..bodies.len() as u32 {
-            let at = cells.index(bodies.position(k)[D - 1], D - 1, probe);
+        for k in 0..particles.len() as u32 {
+            let at = cells.index(particles.position(k)[D - 1], D - 1, probe);
             self.last.push(at, k, &mut self.links, 0, probe);
         }
     }
 
     fn layer<T: Real, P: Probe, S: Sink>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         cells: &Cells<D>,
         first: u32,
         below: u32,
         probe: &mut P,
         sink: &mut S,
     ) {
-        let row_of = |k: u32, probe: &mut P| cells.index(bodies.position(k)[1], 1, probe);
+        let row_of = |k: u32, probe: &mut P| cells.index(particles.position(k)[1], 1, probe);
         each(&mut self.links, 0, [first, below], probe, |layer, k, links, probe| {
             self.rows[layer].push(row_of(k, probe), k, links, 1, probe)
         });
@@ -159,7 +159,7 @@ impl<const D: usize> Nbs<D> {
                     self.rows[1].first(row + 1, probe),
                 ];
                 let next = [self.rows[0].ahead(row + 1), self.rows[1].ahead(row + 2)];
-                self.row(bodies, cells, row, first, neighbours, next, probe, sink);
+                self.row(particles, cells, row, first, neighbours, next, probe, sink);
                 row += 1;
             }
             k = self.links.next(k, 0, probe);
@@ -172,7 +172,7 @@ impl<const D: usize> Nbs<D> {
     #[expect(clippy::too_many_arguments, reason = "what a row is, and what goes through all rows")]
     fn row<T: Real, P: Probe, S: Sink, const N: usize>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         cells: &Cells<D>,
         row: u32,
         first: u32,
@@ -181,7 +181,7 @@ impl<const D: usize> Nbs<D> {
         probe: &mut P,
         sink: &mut S,
     ) {
-        let column_of = |k: u32, probe: &mut P| cells.index(bodies.position(k)[0], 0, probe);
+        let column_of = |k: u32, probe: &mut P| cells.index(particles.position(k)[0], 0, probe);
         let (links, of_rows, of_cells) = (&mut self.links, D - 2, D - 1);
         let [central, around] = &mut self.cells;
         each(links, of_rows, [first], probe, |_, k, links, probe| {
@@ -191,7 +191,7 @@ impl<const D: usize> Nbs<D> {
             each(links, of_rows, [first], probe, |_, k, links, probe| {
                 // Lists of the next row are walked meanwhile, so that memory sends them early.
                 for k in next.iter_mut().filter(|k| **k != EMPTY) {
-                    bodies.prefetch(*k);
+                    particles.prefetch(*k);
                     *k = links.next(*k, of_rows, &mut Silent);
                 }
                 around.push(column_of(k, probe), k, links, of_cells, probe)
@@ -210,7 +210,7 @@ impl<const D: usize> Nbs<D> {
                     around.first(column, probe),
                     around.first(column + 1, probe),
                 ];
-                links.check(of_cells, bodies, first, mask, probe, sink);
+                links.check(of_cells, particles, first, mask, probe, sink);
             }
             k = links.next(k, of_rows, probe);
         }

@@ -17,7 +17,7 @@
 
 use super::list::{Heads, Links};
 use super::mask;
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::numbered;
 use contactbench_ground::detect::{Declare, Detector, Options, within};
 use contactbench_ground::filter::Cells;
@@ -55,14 +55,14 @@ impl Screening {
     #[inline(never)]
     fn run<T: Real, const D: usize, const M: usize>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         mask: [[i32; D]; M],
         probe: &mut impl Probe,
         sink: &mut impl Sink,
     ) -> Result<(), Refusal> {
-        let cells = &Cells::new(bodies)?;
-        self.prepare(cells, bodies.len())?;
-        let n = bodies.len() as u32;
+        let cells = &Cells::new(particles)?;
+        self.prepare(cells, particles.len())?;
+        let n = particles.len() as u32;
         // Offsets in the array from a central cell to its mask cells.
         let offsets = mask.map(|cell| {
             (0..D)
@@ -70,21 +70,21 @@ impl Screening {
                 .fold(0, |place, axis| place * cells.count[axis] as isize + cell[axis] as isize)
         });
         probe.note(|| Event::Begin(Part::Cells));
-        self.push(bodies, cells, probe);
+        self.push(particles, cells, probe);
         probe.note(|| Event::Begin(Part::Search));
         for k in 0..n {
             probe.note(|| Event::Visit { particle: k });
-            let cell = cells.place(bodies.position(k), probe);
+            let cell = cells.place(particles.position(k), probe);
             if let Some(central) = self.c.take_new(cell, probe) {
                 probe.note(|| Event::Central { cell: cells.of_place(cell) });
                 let heads =
                     offsets.map(|offset| self.c.first(cell.wrapping_add_signed(offset), probe));
-                self.e.check(0, bodies, central, heads, probe, sink);
+                self.e.check(0, particles, central, heads, probe, sink);
             }
         }
         probe.note(|| Event::Begin(Part::RemoveCells));
         for k in 0..n {
-            self.c.reset(cells.place(bodies.position(k), probe), probe);
+            self.c.reset(cells.place(particles.position(k), probe), probe);
             self.e.reset(k, 0, probe);
         }
         Ok(())
@@ -105,12 +105,12 @@ impl Screening {
 
     fn push<T: Real, const D: usize>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         cells: &Cells<D>,
         probe: &mut impl Probe,
     ) {
-        for k in 0..bodies.len() as u32 {
-            self.c.push(cells.place(bodies.position(k), probe), k, &mut self.e, 0, probe);
+        for k in 0..particles.len() as u32 {
+            self.c.push(cells.place(particles.position(k), probe), k, &mut self.e, 0, probe);
         }
     }
 }

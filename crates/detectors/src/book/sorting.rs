@@ -18,7 +18,7 @@
 //!   max) / 2 is min, mid is max, because otherwise the partition would not end.
 
 use super::mask;
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::{Declare, Detector, Options, within};
 use contactbench_ground::filter::Cells;
 use contactbench_ground::limits::refusal::Refusal;
@@ -57,16 +57,16 @@ mask::detects_by_mask!(Sorting<3>, 3, SPACE);
 impl<const D: usize> Sorting<D> {
     fn run<T: Real, const M: usize>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         mask: [[i32; D]; M],
         probe: &mut impl Probe,
         sink: &mut impl Sink,
     ) -> Result<(), Refusal> {
-        let cells = Cells::new(bodies)?;
-        let n = bodies.len();
+        let cells = Cells::new(particles)?;
+        let n = particles.len();
         within(&self.options, "sorting", bytes::<D>(n), || format!("{n} particles"))?;
         probe.note(|| Event::Begin(Part::Fill));
-        self.fill(bodies, &cells, probe);
+        self.fill(particles, &cells, probe);
         probe.note(|| Event::Begin(Part::Sort));
         self.sort(0, 0..n, 0, cells.count[0] - 1, &cells, probe);
         probe.note(|| Event::Begin(Part::Search));
@@ -77,7 +77,7 @@ impl<const D: usize> Sorting<D> {
             probe.note(|| Event::Central { cell: plane(central) });
             probe.note(|| Event::Found { cell: plane(central), places: [start, end] });
             for a in start..end {
-                self.check(bodies, a, a + 1..end, probe, sink);
+                self.check(particles, a, a + 1..end, probe, sink);
             }
             for offset in mask {
                 let cell = mask::neighbour(central, offset);
@@ -85,7 +85,7 @@ impl<const D: usize> Sorting<D> {
                 let last = self.end_of(first, cell, probe);
                 probe.note(|| Event::Found { cell: plane(cell), places: [first, last] });
                 for a in start..end {
-                    self.check(bodies, a, first..last, probe, sink);
+                    self.check(particles, a, first..last, probe, sink);
                 }
             }
             start = end;
@@ -95,11 +95,11 @@ impl<const D: usize> Sorting<D> {
 
     fn fill<T: Real>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         cells: &Cells<D>,
         probe: &mut impl Probe,
     ) {
-        let n = bodies.len();
+        let n = particles.len();
         self.particles.clear();
         contactbench_ground::limits::refusal::must_reserve(&mut self.particles, n);
         self.particles.extend(0..n as u32);
@@ -107,7 +107,7 @@ impl<const D: usize> Sorting<D> {
             keys.clear();
             contactbench_ground::limits::refusal::must_reserve(keys, n);
             keys.extend((0..n as u32).map(|i| {
-                let key = cells.index(bodies.position(i)[axis], axis, probe);
+                let key = cells.index(particles.position(i)[axis], axis, probe);
                 probe.note(|| Event::Key { axis, particle: i, key });
                 key
             }));
@@ -219,7 +219,7 @@ impl<const D: usize> Sorting<D> {
     #[inline(always)]
     fn check<T: Real>(
         &self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         a: usize,
         others: std::ops::Range<usize>,
         probe: &mut impl Probe,
@@ -227,7 +227,7 @@ impl<const D: usize> Sorting<D> {
     ) {
         let i = self.particles[a];
         for &j in &self.particles[others] {
-            let touching = bodies.touch(i, j, probe);
+            let touching = particles.touch(i, j, probe);
             probe.note(|| Event::Test { i, j, touching });
             if touching {
                 sink.contact(i, j);

@@ -18,7 +18,7 @@
 //!   keys; no tree is kept and refitted.
 
 use super::tree::Tree;
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::bounds::Bounds;
 use contactbench_ground::detect::copies::{Each, Judge, One, Record, room};
 use contactbench_ground::detect::{Declare, Detector, Options, within};
@@ -50,15 +50,16 @@ impl<const D: usize> Declare for Bvh<D> {
 const KEY: u64 = size_of::<(u64, u32)>() as u64;
 
 impl<T: Real, const D: usize> Detector<T, D> for Bvh<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        self.order(&bodies, "bvh", probe)?;
-        let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
-        match bodies.uniform() {
+        self.order(&particles, "bvh", probe)?;
+        let (slack, touch) =
+            (particles.slack(), |i, j, probe: &mut P| particles.touch(i, j, probe));
+        match particles.uniform() {
             Some(r) => self.tree.search(Judge::new(&touch, One::new(r, slack)), probe, sink),
             None => self.tree.search(Judge::new(&touch, Each::new(slack)), probe, sink),
         }
@@ -71,26 +72,26 @@ impl<const D: usize> Bvh<D> {
     /// refusals.
     pub(crate) fn order<T: Real, P: Probe>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         name: &'static str,
         probe: &mut P,
     ) -> Result<(), Refusal> {
-        let n = bodies.len();
+        let n = particles.len();
         within(&self.options, name, KEY * n as u64 + Tree::<D>::bytes(n), || {
             format!("{n} particles")
         })?;
         room(&mut self.keys, n, (0, 0));
         self.tree.prepare(n);
         let mut bounds = Bounds::NONE;
-        (0..n as u32).for_each(|id| bounds.widen(bodies.position(id), bodies.position(id)));
+        (0..n as u32).for_each(|id| bounds.widen(particles.position(id), particles.position(id)));
         let steps = Steps::new(bounds);
         for (id, key) in (0..).zip(&mut self.keys) {
-            *key = (steps.key(bodies.position(id), probe), id);
+            *key = (steps.key(particles.position(id), probe), id);
         }
         sort(&mut self.keys, probe);
         for (record, key) in self.tree.records.iter_mut().zip(&self.keys) {
             probe.count(Op::Move);
-            *record = Record::new(bodies, key.1);
+            *record = Record::new(particles, key.1);
         }
         Ok(())
     }

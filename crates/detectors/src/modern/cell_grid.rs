@@ -22,8 +22,8 @@
 
 use std::ops::Range;
 
-use contactbench_ground::contact::Bodies;
-use contactbench_ground::detect::copies::{Each, Found, Judge, Nearness, One, Record, room};
+use contactbench_ground::contact::Particles;
+use contactbench_ground::detect::copies::{Each, Judge, Nearness, One, PairBuffer, Record, room};
 use contactbench_ground::detect::rows::{ROWS, rows_after};
 use contactbench_ground::detect::{Declare, Detector, Options, within};
 use contactbench_ground::filter::Cells;
@@ -56,19 +56,19 @@ impl<const D: usize> Declare for CellGrid<D> {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for CellGrid<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let cells = Cells::new(&bodies)?;
-        self.prepare(&cells, bodies.len())?;
-        self.sort(&bodies, &cells, probe);
-        let slack = bodies.slack();
-        self.collected = match bodies.uniform() {
-            Some(radius) => self.search(&bodies, One::new(radius, slack), &cells, probe, sink),
-            None => self.search(&bodies, Each::new(slack), &cells, probe, sink),
+        let cells = Cells::new(&particles)?;
+        self.prepare(&cells, particles.len())?;
+        self.sort(&particles, &cells, probe);
+        let slack = particles.slack();
+        self.collected = match particles.uniform() {
+            Some(radius) => self.search(&particles, One::new(radius, slack), &cells, probe, sink),
+            None => self.search(&particles, Each::new(slack), &cells, probe, sink),
         }?;
         Ok(())
     }
@@ -95,13 +95,13 @@ impl<const D: usize> CellGrid<D> {
 
     fn sort<T: Real>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         cells: &Cells<D>,
         probe: &mut impl Probe,
     ) {
-        let n = bodies.len() as u32;
+        let n = particles.len() as u32;
         for id in 0..n {
-            self.starts[cells.place(bodies.position(id), probe)] += 1;
+            self.starts[cells.place(particles.position(id), probe)] += 1;
         }
         let mut end = 0;
         for start in &mut self.starts {
@@ -110,7 +110,7 @@ impl<const D: usize> CellGrid<D> {
         }
         // Each cell is filled from its end backwards, so that its particles stay in order.
         for id in (0..n).rev() {
-            let record = Record::new(bodies, id);
+            let record = Record::new(particles, id);
             let start = &mut self.starts[cells.place(record.position, probe)];
             *start -= 1;
             probe.count(Op::Move);
@@ -124,7 +124,7 @@ impl<const D: usize> CellGrid<D> {
 
     fn search<T: Real, P: Probe>(
         &self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         nearness: impl Nearness,
         cells: &Cells<D>,
         probe: &mut P,
@@ -133,16 +133,17 @@ impl<const D: usize> CellGrid<D> {
         let rows = inner(cells, 1) * inner(cells, 2);
         let Options { threads, memory_limit } = self.options;
         if threads > 1 && P::SILENT {
-            let touch = |i, j, probe: &mut Silent| bodies.touch(i, j, probe);
+            let touch = |i, j, probe: &mut Silent| particles.touch(i, j, probe);
             let judge = Judge::new(&touch, nearness);
-            let (count, left) = ((rows, bodies.len()), memory_limit.saturating_sub(self.arrays()));
+            let (count, left) =
+                ((rows, particles.len()), memory_limit.saturating_sub(self.arrays()));
             let found = parallel::contacts(count, threads, left, &|rows, pairs| {
                 self.rows(&judge, rows, cells, &mut Silent, pairs)
             })?;
             sink.gather(&found.iter().map(Vec::as_slice).collect::<Vec<_>>());
             Ok(parallel::bytes(&found))
         } else {
-            let touch = |i, j, probe: &mut P| bodies.touch(i, j, probe);
+            let touch = |i, j, probe: &mut P| particles.touch(i, j, probe);
             self.rows(&Judge::new(&touch, nearness), 0..rows, cells, probe, sink);
             Ok(0)
         }
@@ -156,7 +157,7 @@ impl<const D: usize> CellGrid<D> {
         probe: &mut P,
         sink: &mut impl Sink,
     ) {
-        let mut found = Found::none();
+        let mut found = PairBuffer::none();
         for row in rows {
             let [y, z] = [row % inner(cells, 1) + 1, row / inner(cells, 1) + usize::from(D > 2)];
             let first = (z * cells.count[1] as usize + y) * cells.count[0] as usize + 1;
@@ -171,7 +172,7 @@ impl<const D: usize> CellGrid<D> {
         judge: &Judge<'_, P, impl Nearness>,
         first: usize,
         cells: &Cells<D>,
-        found: &mut Found,
+        found: &mut PairBuffer,
         probe: &mut P,
         sink: &mut impl Sink,
     ) {

@@ -22,9 +22,9 @@
 //!   neighbours in space are mostly adjacent in memory, which the sources achieve by a sort along a
 //!   space-filling curve; no pair is found twice, so duplicates need no removal.
 
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::copies::{
-    Each, Found, Judge, Nearness, One, Record, STRIDE, room,
+    Each, Judge, Nearness, One, PairBuffer, Record, STRIDE, room,
 };
 use contactbench_ground::detect::rows::{mixed, rows_after};
 use contactbench_ground::detect::{Declare, Detector, Options, within};
@@ -64,23 +64,24 @@ impl<const D: usize> Declare for HashGrid<D> {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for HashGrid<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let cells = Cells::new(&bodies)?;
-        let n = bodies.len();
+        let cells = Cells::new(&particles)?;
+        let n = particles.len();
         let buckets = Buckets::new(n);
         let needed = 4 * (buckets.count::<D>() + 1) + Record::<D>::BYTES * n as u64;
         within(&self.options, "hash-grid", needed, || format!("{n} particles"))?;
         self.starts.clear();
         room(&mut self.starts, buckets.count::<D>() as usize + 1, 0);
         room(&mut self.records, n, Record::NONE);
-        self.sort(&bodies, &cells, buckets, probe);
-        let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
-        match bodies.uniform() {
+        self.sort(&particles, &cells, buckets, probe);
+        let (slack, touch) =
+            (particles.slack(), |i, j, probe: &mut P| particles.touch(i, j, probe));
+        match particles.uniform() {
             Some(radius) => {
                 let judge = Judge::new(&touch, One::new(radius, slack));
                 self.search(judge, &cells, buckets, probe, sink);
@@ -146,14 +147,14 @@ struct Ranges<const D: usize> {
 impl<const D: usize> HashGrid<D> {
     fn sort<T: Real>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         cells: &Cells<D>,
         buckets: Buckets,
         probe: &mut impl Probe,
     ) {
-        let n = bodies.len() as u32;
+        let n = particles.len() as u32;
         for id in 0..n {
-            self.starts[buckets.bucket(cell(bodies.position(id), cells, probe))] += 1;
+            self.starts[buckets.bucket(cell(particles.position(id), cells, probe))] += 1;
         }
         let mut end = 0;
         for start in &mut self.starts {
@@ -162,7 +163,7 @@ impl<const D: usize> HashGrid<D> {
         }
         // Each bucket is filled from its end backwards, so that its particles stay in order.
         for id in (0..n).rev() {
-            let record = Record::new(bodies, id);
+            let record = Record::new(particles, id);
             let start = &mut self.starts[buckets.bucket(cell(record.position, cells, probe))];
             *start -= 1;
             probe.count(Op::Move);
@@ -178,7 +179,7 @@ impl<const D: usize> HashGrid<D> {
         probe: &mut P,
         sink: &mut impl Sink,
     ) {
-        let mut found = Found::none();
+        let mut found = PairBuffer::none();
         let mut ranges =
             Ranges { ranges: [Range { records: [0; 2], first: [0; D], last: 0 }; 10], count: 0 };
         let mut central = [0; D];
@@ -192,7 +193,7 @@ impl<const D: usize> HashGrid<D> {
                 probe.count(Op::KeyCompare);
                 ranges.ranges[k as usize].holds(cell(b.position, cells, probe))
             };
-            let settle = |found: &mut Found, start: usize, probe: &mut P| {
+            let settle = |found: &mut PairBuffer, start: usize, probe: &mut P| {
                 found.settle(start, |[k, place]| {
                     let b = &self.records[place as usize];
                     wanted(k, b, probe).then_some([a.id, b.id])

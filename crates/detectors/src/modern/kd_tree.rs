@@ -17,7 +17,7 @@
 //!   determined by N; boxes enclose particles, not centres.
 
 use super::tree::{Leaves, Tree};
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::bounds::Bounds;
 use contactbench_ground::detect::copies::{Each, Judge, One, Record};
 use contactbench_ground::detect::{Declare, Detector, Options, within};
@@ -45,22 +45,23 @@ impl<const D: usize> Declare for KdTree<D> {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for KdTree<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let n = bodies.len();
+        let n = particles.len();
         within(&self.options, "kd-tree", Tree::<D>::bytes(n), || format!("{n} particles"))?;
         self.tree.prepare(n);
         for (id, record) in (0..).zip(&mut self.tree.records) {
-            *record = Record::new(&bodies, id);
+            *record = Record::new(&particles, id);
         }
         let (bounds, leaves) = (Bounds::around(&self.tree.records), Leaves::new(n));
         part(&mut self.tree.records, leaves, [0, leaves.count()], bounds, probe);
-        let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
-        match bodies.uniform() {
+        let (slack, touch) =
+            (particles.slack(), |i, j, probe: &mut P| particles.touch(i, j, probe));
+        match particles.uniform() {
             Some(r) => self.tree.search(Judge::new(&touch, One::new(r, slack)), probe, sink),
             None => self.tree.search(Judge::new(&touch, Each::new(slack)), probe, sink),
         }

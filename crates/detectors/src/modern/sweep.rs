@@ -1,5 +1,5 @@
 //! `sweep`: sort and sweep along one axis (Baraff 1992, "Dynamic Simulation of Non-Penetrating
-//! Rigid Bodies", section 3.4; Ericson 2005, section 7.5).
+//! Rigid Particles", section 3.4; Ericson 2005, section 7.5).
 //!
 //! 1. Every particle has an interval on each axis. Copies are sorted by the lower end on the axis
 //!    along which the scene is longest.
@@ -18,9 +18,9 @@
 //!   relative to the lower end of the scene: rounding is monotone, so overlapping intervals still
 //!   overlap ([`contactbench_ground::filter`], section 2).
 
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::bounds::Bounds;
-use contactbench_ground::detect::copies::{Each, Found, Judge, Nearness, One, Record, room};
+use contactbench_ground::detect::copies::{Each, Judge, Nearness, One, PairBuffer, Record, room};
 use contactbench_ground::detect::{Declare, Detector, Options, within};
 use contactbench_ground::filter;
 use contactbench_ground::limits::refusal::Refusal;
@@ -56,16 +56,17 @@ fn bytes<const D: usize>(n: usize) -> u64 {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Sweep<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        self.take(&bodies, "sweep")?;
+        self.take(&particles, "sweep")?;
         let bounds = Bounds::around(&self.records);
-        let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
-        match bodies.uniform() {
+        let (slack, touch) =
+            (particles.slack(), |i, j, probe: &mut P| particles.touch(i, j, probe));
+        match particles.uniform() {
             Some(r) => self.run(Judge::new(&touch, One::new(r, slack)), bounds, probe, sink),
             None => self.run(Judge::new(&touch, Each::new(slack)), bounds, probe, sink),
         }
@@ -102,14 +103,14 @@ impl<const D: usize> Sweep<D> {
     /// Copies the particles in stored order; `name` is the detector's name in refusals.
     pub(crate) fn take<T: Real>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         name: &'static str,
     ) -> Result<(), Refusal> {
-        let n = bodies.len();
+        let n = particles.len();
         within(&self.options, name, bytes::<D>(n), || format!("{n} particles"))?;
         room(&mut self.records, n, Record::NONE);
         for (id, record) in (0..).zip(&mut self.records) {
-            *record = Record::new(bodies, id);
+            *record = Record::new(particles, id);
         }
         Ok(())
     }
@@ -138,7 +139,7 @@ impl<const D: usize> Sweep<D> {
         for (record, (low, high)) in self.records.iter().zip(ends) {
             [*low, *high] = interval(record, second).map(|end| (end - bounds.low[second]) as f32);
         }
-        let mut found = Found::none();
+        let mut found = PairBuffer::none();
         for (i, a) in self.records.iter().enumerate() {
             let end = interval(a, first)[1];
             let after = &self.records[i + 1..];

@@ -11,7 +11,7 @@
 //! replaced by four pairs of halves. So each pair of leaves occurs once.
 
 use contactbench_ground::detect::bounds::Bounds;
-use contactbench_ground::detect::copies::{Found, Judge, Nearness, Record, room};
+use contactbench_ground::detect::copies::{Judge, Nearness, PairBuffer, Record, room};
 use contactbench_ground::filter;
 use contactbench_ground::pairs::sink::Sink;
 use contactbench_ground::probe::{Op, Probe};
@@ -120,7 +120,7 @@ impl<const D: usize> Tree<D> {
             leaves,
             judge,
             near: [Record::NONE; LEAF],
-            found: Found::none(),
+            found: PairBuffer::none(),
             probe,
             sink,
         };
@@ -142,7 +142,7 @@ struct Walk<'a, N, P, S, const D: usize> {
     judge: Judge<'a, P, N>,
     /// Records of one leaf that may touch a particle of another leaf.
     near: [Record<D>; LEAF],
-    found: Found,
+    found: PairBuffer,
     probe: &'a mut P,
     sink: &'a mut S,
 }

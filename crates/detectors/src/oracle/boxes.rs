@@ -38,7 +38,7 @@ use contactbench_ground::scene::{AnyScene, Scene, array};
 use contactbench_ground::wide::fill;
 use contactbench_lists::periodic::Finder;
 use contactbench_lists::periodic::crowded;
-use contactbench_lists::periodic::frame::{Frame, MOST, U};
+use contactbench_lists::periodic::frame::{MOST, ReducedBox, U};
 use contactbench_lists::periodic::images::Images;
 use contactbench_lists::periodic::made::touches;
 use contactbench_lists::periodic::stored::stored;
@@ -83,8 +83,8 @@ pub fn truth_as_stored(
 ) -> Result<Truth, NoTruth> {
     let exact = arithmetic.exact().test();
     let pairs = match periodic.scene() {
-        AnyScene::Plane(scene) => bodies(periodic, &scene.widened(), arithmetic, exact, limit),
-        AnyScene::Space(scene) => bodies(periodic, &scene.widened(), arithmetic, exact, limit),
+        AnyScene::Plane(scene) => particles(periodic, &scene.widened(), arithmetic, exact, limit),
+        AnyScene::Space(scene) => particles(periodic, &scene.widened(), arithmetic, exact, limit),
     }?;
     Ok(Truth::new(pairs))
 }
@@ -139,9 +139,9 @@ where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
     if !arithmetic.is_exact() {
-        return bodies(periodic, scene, arithmetic, arithmetic.test(), limit);
+        return particles(periodic, scene, arithmetic, arithmetic.test(), limit);
     }
-    let frame = Frame::new(periodic.lattice())?;
+    let frame = ReducedBox::new(periodic.lattice())?;
     if chosen.is_none() && scene.len() > BRUTE_FORCE {
         let n = scene.len();
         let ask = |detector: &mut dyn AnyDetector| {
@@ -159,7 +159,7 @@ where
 }
 
 /// Tests the pairs of the open scene that detectors get, as it is stored.
-fn bodies<const D: usize>(
+fn particles<const D: usize>(
     periodic: &Periodic<'_>,
     scene: &Scene<'_, f64, D>,
     arithmetic: Arithmetic,
@@ -189,7 +189,7 @@ where
 /// Tests all pairs, or only pairs with a chosen particle, and returns contacts in ascending order.
 fn tested<const D: usize>(
     scene: &Scene<'_, f64, D>,
-    frame: &Frame<D>,
+    frame: &ReducedBox<D>,
     chosen: Option<&[bool]>,
     test: Test,
     limit: u64,
@@ -210,7 +210,7 @@ fn tested<const D: usize>(
 /// Tests of pairs in a periodic scene, and the contacts found so far.
 struct Tests<'a, const D: usize> {
     scene: &'a Scene<'a, f64, D>,
-    frame: &'a Frame<D>,
+    frame: &'a ReducedBox<D>,
     test: Test,
     /// Largest distance of two particles that touch.
     reach: f64,
@@ -296,7 +296,7 @@ impl<const D: usize> Tests<'_, D> {
 
 /// Returns the lowest and the highest S to be tested along each vector.
 fn around<const D: usize>(
-    frame: &Frame<D>,
+    frame: &ReducedBox<D>,
     [i, j]: [usize; 2],
     a: &[f64; D],
     b: &[f64; D],
@@ -331,7 +331,7 @@ fn size<const D: usize>(x: &[f64; D]) -> f64 {
 
 /// Returns whether the image is certainly too far away along some axis.
 fn apart<const D: usize>(
-    frame: &Frame<D>,
+    frame: &ReducedBox<D>,
     a: &[f64; D],
     b: &[f64; D],
     image: [i32; 3],

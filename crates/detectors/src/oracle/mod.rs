@@ -14,7 +14,7 @@ pub use contactbench_terms::errors::{Causes, Errors};
 use crate::table;
 use crate::table::Entry;
 use contactbench_ground::contact::depth::depth;
-use contactbench_ground::contact::{Arithmetic, Bodies, Test, WithBodies, with_stored};
+use contactbench_ground::contact::{Arithmetic, Particles, Test, WithParticles, with_stored};
 use contactbench_ground::detect::Options;
 use contactbench_ground::detect::any::AnyDetector;
 use contactbench_ground::filter::{Sieve, bounds};
@@ -246,20 +246,20 @@ struct Rows<'a> {
     limit: u64,
 }
 
-impl<T: Real, const D: usize> WithBodies<T, D> for Rows<'_> {
+impl<T: Real, const D: usize> WithParticles<T, D> for Rows<'_> {
     type Output = Result<Vec<[u32; 2]>, Refusal>;
-    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
-        let n = bodies.len() as u32;
+    fn call<B: Particles<T, D>>(self, particles: B) -> Self::Output {
+        let n = particles.len() as u32;
         let test = |i: u32, j: u32, pairs: &mut PairList<'_>| {
-            if bodies.touch(i, j, &mut Silent) {
+            if particles.touch(i, j, &mut Silent) {
                 pairs.contact(i, j);
             }
         };
         let sieve = self.chosen.map(|chosen| {
-            let (low, high) = bounds(&bodies);
-            let at: Vec<[f64; D]> = chosen.iter().map(|&k| bodies.position(k)).collect();
+            let (low, high) = bounds(&particles);
+            let at: Vec<[f64; D]> = chosen.iter().map(|&k| particles.position(k)).collect();
             let spans = std::array::from_fn(|k| Some([low[k], high[k]]));
-            (chosen, Sieve::new(&at, [bodies.reach(); D], spans))
+            (chosen, Sieve::new(&at, [particles.reach(); D], spans))
         });
         let threads = rayon::current_num_threads();
         let count = (n as usize, n as usize);
@@ -267,7 +267,7 @@ impl<T: Real, const D: usize> WithBodies<T, D> for Rows<'_> {
             for i in rows.start as u32..rows.end as u32 {
                 match &sieve {
                     None => (i + 1..n).for_each(|j| test(i, j, pairs)),
-                    Some((chosen, sieve)) => sieve.near(&bodies.position(i), |k| {
+                    Some((chosen, sieve)) => sieve.near(&particles.position(i), |k| {
                         if chosen[k] != i {
                             test(chosen[k], i, pairs);
                         }

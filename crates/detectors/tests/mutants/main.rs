@@ -47,7 +47,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::LazyLock;
 
 use contactbench_detectors::oracle;
-use contactbench_ground::contact::{Arithmetic, Test, any_bodies};
+use contactbench_ground::contact::{Arithmetic, Test, any_particles};
 use contactbench_ground::detect::Detector;
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::pairs::sink::Digest;
@@ -143,10 +143,10 @@ fn detect(
     space.radii = radii;
     match scene {
         AnyScene::Plane(scene) => with_stored!(scene, scene => {
-            plane.detect(any_bodies(scene, test)?, &mut Silent, digest)
+            plane.detect(any_particles(scene, test)?, &mut Silent, digest)
         }),
         AnyScene::Space(scene) => with_stored!(scene, scene => {
-            space.detect(any_bodies(scene, test)?, &mut Silent, digest)
+            space.detect(any_particles(scene, test)?, &mut Silent, digest)
         }),
     }
 }

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use std::collections::{BTreeMap, HashSet};
 
 use contactbench_detectors::book::mask;
-use contactbench_ground::contact::{Bodies, Margin, exact};
+use contactbench_ground::contact::{Margin, Particles, exact};
 use contactbench_ground::detect::Detector;
 use contactbench_ground::filter::{Cells, beyond};
 use contactbench_ground::limits::refusal::Refusal;
@@ -39,16 +39,16 @@ struct Grid<const D: usize> {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Reference<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
         let pairs = match self.way.algorithm() {
-            Way::Sweep => self.sweep(&bodies, probe),
-            Way::Hash => self.hash(&bodies, probe)?,
-            _ => self.cells(&bodies, probe)?,
+            Way::Sweep => self.sweep(&particles, probe),
+            Way::Hash => self.hash(&particles, probe)?,
+            _ => self.cells(&particles, probe)?,
         };
         pairs.into_iter().for_each(|[i, j]| sink.contact(i, j));
         Ok(())
@@ -64,15 +64,15 @@ impl<const D: usize> Reference<D> {
     /// Lists particles by cell; tests each cell against itself and the mask.
     fn cells<T: Real, P: Probe>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         probe: &mut P,
     ) -> Result<Vec<[u32; 2]>, Refusal> {
-        let same_n = self.numbers.len() == bodies.len();
-        let grid = self.make_grid(bodies)?;
+        let same_n = self.numbers.len() == particles.len();
+        let grid = self.make_grid(particles)?;
         if self.way == Way::StalePairs && same_n && self.grid == Some(grid) {
             return Ok(self.found.clone());
         }
-        self.number(bodies, grid, same_n, probe);
+        self.number(particles, grid, same_n, probe);
         if self.way != Way::StaleLists {
             self.lists.clear();
         }
@@ -84,8 +84,8 @@ impl<const D: usize> Reference<D> {
             }
         }
         let mask = self.mask();
-        let (mut pairs, mut done) =
-            (Pairs { way: self.way, found: Vec::new(), of: vec![0; bodies.len()] }, HashSet::new());
+        let mut pairs = Pairs { way: self.way, found: vec![], of: vec![0; particles.len()] };
+        let mut done = HashSet::new();
         for list in self.lists.values() {
             let list = self.counted(list);
             let central = self.numbers.get(list[0] as usize).copied().unwrap_or([0; D]);
@@ -98,7 +98,7 @@ impl<const D: usize> Reference<D> {
                     way => a + usize::from(way != Way::SelfPairs),
                 };
                 for &j in list[from..].iter().filter(|&&j| i != j || self.way == Way::SelfPairs) {
-                    self.test(bodies, i, j, &mut pairs, probe);
+                    self.test(particles, i, j, &mut pairs, probe);
                 }
             }
             for &offset in &mask {
@@ -106,7 +106,7 @@ impl<const D: usize> Reference<D> {
                 let across =
                     list.iter().flat_map(|&i| self.counted(others).iter().map(move |&j| [i, j]));
                 for [i, j] in across.filter(|[i, j]| self.way != Way::OrderedAcross || i < j) {
-                    self.test(bodies, i, j, &mut pairs, probe);
+                    self.test(particles, i, j, &mut pairs, probe);
                 }
             }
         }
@@ -120,9 +120,9 @@ impl<const D: usize> Reference<D> {
         Ok(pairs.found)
     }
 
-    fn make_grid<T: Real>(&self, bodies: &impl Bodies<T, D>) -> Result<Grid<D>, Refusal> {
+    fn make_grid<T: Real>(&self, particles: &impl Particles<T, D>) -> Result<Grid<D>, Refusal> {
         let (n, radii) = (self.radii.len(), &self.radii);
-        let positions = || (0..bodies.len() as u32).map(|i| bodies.position(i));
+        let positions = || (0..particles.len() as u32).map(|i| particles.position(i));
         let corner = |of: fn(f64, f64) -> f64, begin: f64| {
             positions().fold([begin; D], |most, p| std::array::from_fn(|k| of(most[k], p[k])))
         };
@@ -134,13 +134,15 @@ impl<const D: usize> Reference<D> {
             Way::EdgeOfMean if n > 0 => 2.0 * radii.iter().sum::<f64>() / n as f64,
             Way::EdgeHalved => largest,
             Way::EdgeWithoutSlack => 2.0 * largest,
-            Way::StaleReach => self.grid.map_or(bodies.reach(), |grid| grid.reach),
-            _ => bodies.reach(),
+            Way::StaleReach => self.grid.map_or(particles.reach(), |grid| grid.reach),
+            _ => particles.reach(),
         };
         let margin = if self.way == Way::NoMargin { Margin::Textbook } else { Margin::Safe };
         // Without a changed reach or margin, the library chooses the cells.
         let cells = match () {
-            () if n == 0 || reach == bodies.reach() && margin == Margin::Safe => Cells::new(bodies),
+            () if n == 0 || reach == particles.reach() && margin == Margin::Safe => {
+                Cells::new(particles)
+            }
             () => Cells::spanning(low, high, reach, margin),
         };
         match cells {
@@ -152,15 +154,15 @@ impl<const D: usize> Reference<D> {
 
     fn number<T: Real, P: Probe>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         grid: Grid<D>,
         same_n: bool,
         probe: &mut P,
     ) {
         let grid = self.grid.filter(|_| self.way == Way::StaleGrid && same_n).unwrap_or(grid);
         if !(self.way == Way::StaleNumbers && same_n) {
-            self.numbers = (0..bodies.len() as u32)
-                .map(|i| self.cell(bodies.position(i), grid, probe))
+            self.numbers = (0..particles.len() as u32)
+                .map(|i| self.cell(particles.position(i), grid, probe))
                 .collect();
         }
         self.grid = Some(grid);
@@ -252,27 +254,27 @@ impl<const D: usize> Reference<D> {
 
     fn test<T: Real, P: Probe>(
         &self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         i: u32,
         j: u32,
         pairs: &mut Pairs,
         probe: &mut P,
     ) {
         // Stale lists have numbers of earlier particles.
-        let n = bodies.len() as u32;
-        if i < n && j < n && !pairs.full(i, j) && self.touch(bodies, i, j, probe) {
+        let n = particles.len() as u32;
+        if i < n && j < n && !pairs.full(i, j) && self.touch(particles, i, j, probe) {
             pairs.push(i, j);
         }
     }
 
     fn touch<T: Real, P: Probe>(
         &self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         i: u32,
         j: u32,
         probe: &mut P,
     ) -> bool {
-        let (p, q) = (bodies.position(i), bodies.position(j));
+        let (p, q) = (particles.position(i), particles.position(j));
         let (ri, rj) = (self.radii[i as usize], self.radii[j as usize]);
         let square = |p: &[f64; D], q: &[f64; D]| -> f64 {
             (0..D).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum()
@@ -282,7 +284,7 @@ impl<const D: usize> Reference<D> {
         match self.way {
             Way::Untested => true,
             Way::Strict => {
-                bodies.touch(i, j, probe) && exact::compare(&p, &q, ri, rj) != Ordering::Equal
+                particles.touch(i, j, probe) && exact::compare(&p, &q, ri, rj) != Ordering::Equal
             }
             Way::RoundedRoot => square(&p, &q).sqrt() <= s,
             Way::ExpandedForm => dot(&p, &p) + dot(&q, &q) - 2.0 * dot(&p, &q) <= s * s,
@@ -292,21 +294,21 @@ impl<const D: usize> Reference<D> {
             Way::RelativeTolerance => square(&p, &q) <= s * s * (1.0 + 1e-12),
             Way::AbsoluteTolerance => square(&p, &q).sqrt() <= s + 1e-9,
             Way::SumOfSquares => square(&p, &q) <= ri * ri + rj * rj,
-            Way::LargestRadius => square(&p, &q) <= bodies.reach() * bodies.reach(),
-            Way::SkipsCoincident => p != q && bodies.touch(i, j, probe),
-            _ => bodies.touch(i, j, probe),
+            Way::LargestRadius => square(&p, &q) <= particles.reach() * particles.reach(),
+            Way::SkipsCoincident => p != q && particles.touch(i, j, probe),
+            _ => particles.touch(i, j, probe),
         }
     }
 
     /// Hashes particles by cell; tests each against the buckets of all neighbouring cells.
     fn hash<T: Real, P: Probe>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         probe: &mut P,
     ) -> Result<Vec<[u32; 2]>, Refusal> {
-        let grid = self.make_grid(bodies)?;
-        self.number(bodies, grid, false, probe);
-        let buckets = bodies.len().next_power_of_two();
+        let grid = self.make_grid(particles)?;
+        self.number(particles, grid, false, probe);
+        let buckets = particles.len().next_power_of_two();
         let bucket = |cell: Cell<D>| {
             cell.iter().fold(0, |h, &c| splitmix64(h ^ c as u64)) as usize % buckets
         };
@@ -330,7 +332,7 @@ impl<const D: usize> Reference<D> {
                 let in_cell =
                     |&&j: &&u32| i < j && (uncompared || self.numbers[j as usize] == cell);
                 for &j in table[bucket(cell)].iter().filter(in_cell) {
-                    if bodies.touch(i, j, probe) {
+                    if particles.touch(i, j, probe) {
                         pairs.push([i, j]);
                     }
                 }
@@ -342,12 +344,12 @@ impl<const D: usize> Reference<D> {
     /// Sorts particles by x; tests each against those that follow within reach.
     fn sweep<T: Real, P: Probe>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         probe: &mut P,
     ) -> Vec<[u32; 2]> {
-        let [x, y] = [0, 1].map(|axis| move |i: u32| bodies.position(i)[axis]);
-        let reach = bodies.reach();
-        let mut order: Vec<u32> = (0..bodies.len() as u32).collect();
+        let [x, y] = [0, 1].map(|axis| move |i: u32| particles.position(i)[axis]);
+        let reach = particles.reach();
+        let mut order: Vec<u32> = (0..particles.len() as u32).collect();
         let single = self.way == Way::SinglePrecisionOrder;
         let key = |i: u32| if single { f64::from(x(i) as f32) } else { x(i) };
         order.sort_by(|&i, &j| key(i).total_cmp(&key(j)));
@@ -364,7 +366,7 @@ impl<const D: usize> Reference<D> {
                 if stop {
                     break;
                 }
-                if bodies.touch(i, j, probe) {
+                if particles.touch(i, j, probe) {
                     pairs.push([i, j]);
                 }
             }

@@ -1,10 +1,10 @@
 //! Tests of all detectors of the table: in open space, in boxes and under trackers. Unit tests in
 //! `src` use no detector of the table, because they would compile all detectors a second time.
 
-mod bodies;
 mod classes;
 mod hgrid;
 mod parameters;
+mod particles;
 mod periodic;
 mod rules;
 mod searcher;

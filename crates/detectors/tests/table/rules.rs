@@ -6,7 +6,7 @@ use contactbench_detectors::table::{Role, TABLE};
 use contactbench_detectors::tracker;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
-use contactbench_ground::periodic::Frame;
+use contactbench_ground::periodic::Searchable;
 use contactbench_ground::periodic::{ContactList, Periodic};
 use contactbench_ground::scene::{AnyScene, Lattice, Radii};
 use contactbench_lists::periodic;
@@ -48,7 +48,7 @@ fn only_the_closed_rule_accepts_ties() {
             let tracker = "verlet(nbs,skin=0.5)";
             let mut tracker = tracker::parse(tracker).unwrap().make(Options::default());
             for (frame, expected) in
-                [Frame::Open(&open, arithmetic.test()), Frame::Boxed(&boxed, arithmetic)]
+                [Searchable::Open(&open, arithmetic.test()), Searchable::Boxed(&boxed, arithmetic)]
                     .into_iter()
                     .zip(expected)
             {

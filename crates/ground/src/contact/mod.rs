@@ -3,7 +3,7 @@
 //! **One predicate.** Two particles touch when |xi - xj| <= ri + rj. This *closed* rule is that of
 //! Munjiza's book ("touch or overlap"). Neighbour lists use an *open* rule: |xi - xj| < cutoff. All
 //! radii are then half the cutoff, so that ri + rj is exactly the cutoff. Every detector decides
-//! through [`Bodies::touch`], which counts its calls. There are two ways to evaluate it:
+//! through [`Particles::touch`], which counts its calls. There are two ways to evaluate it:
 //!
 //! * *rounded*: |xi - xj|² <= (ri + rj)² in the floating-point arithmetic of the scene's own
 //!   precision;
@@ -34,24 +34,24 @@
 //! shifted centre: [`image`]. Detectors work on rounded positions with a [`Slack`] that covers the
 //! rounding: [`Imaged`], made by `contactbench_lists::periodic`.
 
-pub mod bodies;
 pub mod depth;
 pub mod exact;
 pub mod image;
+pub mod particles;
 pub mod rule;
 pub mod slack;
 mod stored;
 
-pub use bodies::{
-    AnyBodies, Bodies, Corners, Decided, Imaged, SceneBodies, WithBodies, any_bodies, with_bodies,
-    with_stored,
-};
 pub use contactbench_terms::arithmetic::{Arithmetic, Margin, Test, UnknownArithmetic};
+pub use particles::{
+    AnyParticles, Corners, Decided, Imaged, Particles, SceneParticles, WithParticles,
+    any_particles, with_particles, with_stored,
+};
 pub use rule::{
     AnyRule, Asked, Decide, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule,
 };
 pub use slack::Slack;
-pub use stored::StoredBodies;
+pub use stored::StoredParticles;
 
 #[cfg(test)]
 mod tests;

@@ -8,10 +8,10 @@ use crate::probe::{Op, Tally};
 use crate::scene::{AnyScene, Radii, Real, Scene, Stored};
 
 struct Touch(Tally);
-impl<const D: usize> WithBodies<f64, D> for &mut Touch {
+impl<const D: usize> WithParticles<f64, D> for &mut Touch {
     type Output = Result<bool, Refusal>;
-    fn call<B: Bodies<f64, D>>(self, bodies: B) -> Self::Output {
-        Ok(bodies.touch(0, 1, &mut self.0))
+    fn call<B: Particles<f64, D>>(self, particles: B) -> Self::Output {
+        Ok(particles.touch(0, 1, &mut self.0))
     }
 }
 
@@ -26,10 +26,10 @@ fn touch<const D: usize>(centres: [[f64; D]; 2], radii: [f64; 2], test: Test) ->
             if uniform { Radii::Uniform(radii[0]) } else { Radii::Each(radii.to_vec().into()) };
         let scene = Scene::new(centres.clone(), radii).unwrap();
         let mut probe = Touch(Tally::default());
-        let this = (with_bodies(&scene, test, &mut probe).unwrap(), probe.0.get(Op::ExactTest));
+        let this = (with_particles(&scene, test, &mut probe).unwrap(), probe.0.get(Op::ExactTest));
         assert_eq!(*answer.get_or_insert(this), this);
         let mut tally = Tally::default();
-        let any = any_bodies(&scene, test).unwrap().touch(0, 1, &mut tally);
+        let any = any_particles(&scene, test).unwrap().touch(0, 1, &mut tally);
         assert_eq!((any, tally.get(Op::ExactTest)), this);
     }
     answer.unwrap()
@@ -52,10 +52,10 @@ fn tangency_is_contact_and_one_ulp_apart_is_not() {
 }
 
 struct Reach;
-impl<T: Real, const D: usize> WithBodies<T, D> for Reach {
+impl<T: Real, const D: usize> WithParticles<T, D> for Reach {
     type Output = Result<(bool, f64), Refusal>;
-    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
-        Ok((bodies.touch(0, 1, &mut crate::probe::Silent), bodies.reach()))
+    fn call<B: Particles<T, D>>(self, particles: B) -> Self::Output {
+        Ok((particles.touch(0, 1, &mut crate::probe::Silent), particles.reach()))
     }
 }
 
@@ -95,11 +95,11 @@ fn the_reach_covers_pairs_that_rounding_accepts() {
 }
 
 struct ClassReach;
-impl<T: Real, const D: usize> WithBodies<T, D> for ClassReach {
+impl<T: Real, const D: usize> WithParticles<T, D> for ClassReach {
     type Output = Result<(bool, f64), Refusal>;
-    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
-        let reach = bodies.class_reach(bodies.radius(0), bodies.radius(1));
-        Ok((bodies.touch(0, 1, &mut crate::probe::Silent), reach))
+    fn call<B: Particles<T, D>>(self, particles: B) -> Self::Output {
+        let reach = particles.class_reach(particles.radius(0), particles.radius(1));
+        Ok((particles.touch(0, 1, &mut crate::probe::Silent), reach))
     }
 }
 
@@ -141,6 +141,6 @@ fn the_reach_of_two_classes_covers_accepted_pairs() {
 #[test]
 fn rounded_arithmetic_refuses_overflowing_squares() {
     let scene = Scene::<f64, 2>::new(vec![Point::from([0.0, 0.0])], Radii::Uniform(1e200)).unwrap();
-    let refusal = with_bodies(&scene, Test::Rounded, &mut Touch(Tally::default()));
+    let refusal = with_particles(&scene, Test::Rounded, &mut Touch(Tally::default()));
     assert!(matches!(refusal, Err(Refusal::Overflow { .. })));
 }

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use super::{Declare, Detector, Options};
 use crate::contact::{
-    Bodies, Imaged, StoredBodies, Test, WithBodies, any_bodies, with_bodies, with_stored,
+    Imaged, Particles, StoredParticles, Test, WithParticles, any_particles, with_particles,
+    with_stored,
 };
 use crate::limits::refusal::Refusal;
 use crate::pairs::pair_list::{Allowance, PairList};
@@ -174,22 +175,22 @@ fn search<const D: usize, X: DetectorOfAll<D> + Declare>(
 ) -> Result<(), Refusal> {
     match (of, task) {
         (Of::Scene(Stored::F64(scene), test), Task::List(pairs)) if X::DECIDES_FROM_COPIES => {
-            detector.detect(any_bodies(scene, *test)?, &mut Silent, pairs)
+            detector.detect(any_particles(scene, *test)?, &mut Silent, pairs)
         }
         (Of::Scene(scene, test), Task::List(pairs)) if X::DECIDES_FROM_COPIES => {
-            detector.detect(StoredBodies::<D, true>::new(scene, *test)?, &mut Silent, pairs)
+            detector.detect(StoredParticles::<D, true>::new(scene, *test)?, &mut Silent, pairs)
         }
         (Of::Scene(scene, test), Task::List(pairs)) => {
             run_stored(detector, scene, *test, &mut Silent, pairs)
         }
         (Of::Scene(scene, test), Task::Count(tally, mut sink)) => {
-            detector.detect(StoredBodies::<D, false>::new(scene, *test)?, tally, &mut sink)
+            detector.detect(StoredParticles::<D, false>::new(scene, *test)?, tally, &mut sink)
         }
         (Of::Images(images), Task::List(pairs)) => {
-            detector.detect(images.bodies()?, &mut Silent, pairs)
+            detector.detect(images.particles()?, &mut Silent, pairs)
         }
         (Of::Images(images), Task::Count(tally, mut sink)) => {
-            detector.detect(StoredBodies::<D, false>::F64(images.bodies()?), tally, &mut sink)
+            detector.detect(StoredParticles::<D, false>::F64(images.particles()?), tally, &mut sink)
         }
     }
 }
@@ -217,7 +218,7 @@ pub trait DetectorOfAll<const D: usize>: Detector<f32, D> + Detector<f64, D> {}
 impl<X, const D: usize> DetectorOfAll<D> for X where X: Detector<f32, D> + Detector<f64, D> {}
 
 /// Runs a concrete detector on a scene in f64. Fails with the refusals of the detector and of
-/// [`with_bodies`].
+/// [`with_particles`].
 pub fn run<const D: usize>(
     detector: &mut impl Detector<f64, D>,
     scene: &Scene<'_, f64, D>,
@@ -225,7 +226,7 @@ pub fn run<const D: usize>(
     probe: &mut impl Probe,
     sink: &mut impl Sink,
 ) -> Result<(), Refusal> {
-    with_bodies(scene, test, Run { detector, probe, sink })
+    with_particles(scene, test, Run { detector, probe, sink })
 }
 
 /// Runs a concrete detector on a scene in any storage; rounded tests round to the precision of that
@@ -246,11 +247,11 @@ struct Run<'a, X, P, S> {
     sink: &'a mut S,
 }
 
-impl<T: Real, const D: usize, X: Detector<T, D>, P: Probe, S: Sink> WithBodies<T, D>
+impl<T: Real, const D: usize, X: Detector<T, D>, P: Probe, S: Sink> WithParticles<T, D>
     for Run<'_, X, P, S>
 {
     type Output = Result<(), Refusal>;
-    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
-        self.detector.detect(bodies, self.probe, self.sink)
+    fn call<B: Particles<T, D>>(self, particles: B) -> Self::Output {
+        self.detector.detect(particles, self.probe, self.sink)
     }
 }

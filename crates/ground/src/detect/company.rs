@@ -16,12 +16,12 @@ const FEW: usize = 128;
 const CHANCE: usize = 8;
 
 /// Estimates, for each size class, the mean number of other particles in a particle's cell. `place`
-/// returns a particle's class and a number for its cell that few other cells share; `bodies`
+/// returns a particle's class and a number for its cell that few other cells share; `particles`
 /// returns the size of a class. The estimate is 0 if the sample has too few pairs in the same cell.
 pub fn company(
     n: usize,
     place: impl Fn(u32) -> (usize, u64),
-    bodies: impl Fn(usize) -> usize,
+    particles: impl Fn(usize) -> usize,
 ) -> [f64; CLASSES] {
     let mut company = [0.0; CLASSES];
     let count = (n / 32).min(SAMPLE);
@@ -39,7 +39,7 @@ pub fn company(
                 class.chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
             if pairs > CHANCE {
                 // Scale the pairs in the sample to the whole class.
-                let (asked, all) = (class.len() as f64, bodies(class[0].0) as f64);
+                let (asked, all) = (class.len() as f64, particles(class[0].0) as f64);
                 company[class[0].0] = pairs as f64 / asked * (all / asked);
             }
         }

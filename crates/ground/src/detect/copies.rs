@@ -3,7 +3,7 @@
 //! In copies, candidates are adjacent in memory, even if the scene is in random order. [`Record`]
 //! is the copy: the centre in f64, the number, and the radius in f32, together 24 bytes in 2D and
 //! 32 in 3D. [`Judge`] decides from records what [`Near`] decides, without a branch for each pair,
-//! and leaves nearly tangent pairs to [`Bodies::touch`].
+//! and leaves nearly tangent pairs to [`Particles::touch`].
 //!
 //! **Radii in f32.** Equal radii are not read from records. Others are stored as r' = r(1 + e) + t,
 //! |e| <= 2^-24, |t| <= 2^-150. For the sum s of two radii and the sum s' of the stored ones, s <=
@@ -12,7 +12,7 @@
 //! and likewise below: the widened slack of [`Each`]. Radii that overflow are infinite, and then
 //! nothing is decided here. Radii below 2^-126 lose digits, so little is decided.
 
-use crate::contact::{Bodies, Slack};
+use crate::contact::{Particles, Slack};
 use crate::filter::Near;
 use crate::pairs::sink::Sink;
 use crate::probe::{Op, Probe};
@@ -32,8 +32,8 @@ impl<const D: usize> Record<D> {
     pub const BYTES: u64 = size_of::<Record<D>>() as u64;
 
     #[inline(always)]
-    pub fn new<T: Real>(bodies: &impl Bodies<T, D>, id: u32) -> Record<D> {
-        Record { position: bodies.position(id), radius: bodies.radius(id) as f32, id }
+    pub fn new<T: Real>(particles: &impl Particles<T, D>, id: u32) -> Record<D> {
+        Record { position: particles.position(id), radius: particles.radius(id) as f32, id }
     }
 
     #[inline(always)]
@@ -135,7 +135,7 @@ fn half(radius: f64, slack: Slack) -> f64 {
     radius * (1.0 + slack.relative) + 0.5 * slack.absolute
 }
 
-/// The contact test [`Bodies::touch`] behind a reference. It is called for nearly tangent pairs
+/// The contact test [`Particles::touch`] behind a reference. It is called for nearly tangent pairs
 /// only, so that the search among records is compiled only once.
 pub type Touch<'a, P> = &'a (dyn Fn(u32, u32, &mut P) -> bool + Sync);
 
@@ -145,19 +145,19 @@ pub struct Judge<'a, P, N> {
 }
 
 /// Buffer of pairs that were found and are not yet passed on.
-pub struct Found {
-    pairs: [[u32; 2]; Found::ROOM],
+pub struct PairBuffer {
+    pairs: [[u32; 2]; PairBuffer::ROOM],
     count: usize,
 }
 
 /// Number of records tested between two checks for free space and for undecided pairs.
 pub const STRIDE: usize = 64;
 
-impl Found {
+impl PairBuffer {
     const ROOM: usize = 256;
 
-    pub fn none() -> Found {
-        Found { pairs: [[0; 2]; Found::ROOM], count: 0 }
+    pub fn none() -> PairBuffer {
+        PairBuffer { pairs: [[0; 2]; PairBuffer::ROOM], count: 0 }
     }
 
     #[inline(always)]
@@ -167,7 +167,7 @@ impl Found {
 
     #[inline(always)]
     pub fn has_room(&self) -> bool {
-        self.count <= Found::ROOM - STRIDE
+        self.count <= PairBuffer::ROOM - STRIDE
     }
 
     /// Replaces the marks from index `start` on by the pairs that `pair` makes of them, in place.
@@ -176,8 +176,8 @@ impl Found {
         let marks = start..self.count;
         self.count = start;
         for k in marks {
-            if let Some(pair) = pair(self.pairs[k % Found::ROOM]) {
-                self.pairs[self.count % Found::ROOM] = pair;
+            if let Some(pair) = pair(self.pairs[k % PairBuffer::ROOM]) {
+                self.pairs[self.count % PairBuffer::ROOM] = pair;
                 self.count += 1;
             }
         }
@@ -199,7 +199,7 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
         &self,
         a: &Record<D>,
         others: &[Record<D>],
-        found: &mut Found,
+        found: &mut PairBuffer,
         probe: &mut P,
         sink: &mut impl Sink,
     ) {
@@ -220,14 +220,14 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
         others: &[Record<D>],
         mark: impl Fn(usize, &Record<D>) -> [u32; 2],
         wanted: impl Fn(&Record<D>, &mut P) -> bool,
-        found: &mut Found,
+        found: &mut PairBuffer,
         probe: &mut P,
     ) {
         let (mut end, mut unsure) = (found.count, false);
         for (place, b) in others.iter().enumerate() {
             let (near, square) = (self.nearness.near(a.radius, b.radius), a.square(b));
             // Always written; the mark is kept only if the count is incremented.
-            found.pairs[end % Found::ROOM] = mark(place, b);
+            found.pairs[end % PairBuffer::ROOM] = mark(place, b);
             end += usize::from(square <= near.outer);
             unsure |= (square > near.inner) & (square <= near.outer);
         }
@@ -245,7 +245,7 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
         others: &[Record<D>],
         mark: impl Fn(usize, &Record<D>) -> [u32; 2],
         wanted: impl Fn(&Record<D>, &mut P) -> bool,
-        found: &mut Found,
+        found: &mut PairBuffer,
         probe: &mut P,
     ) {
         for (place, b) in others.iter().enumerate() {
@@ -257,7 +257,7 @@ impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
                 None => wanted(b, probe) && (self.touch)(a.id, b.id, probe),
             };
             if contact {
-                found.pairs[found.count % Found::ROOM] = mark(place, b);
+                found.pairs[found.count % PairBuffer::ROOM] = mark(place, b);
                 found.count += 1;
             }
         }
@@ -269,19 +269,19 @@ pub const FEW: usize = 48;
 
 /// Tests all pairs of at most [`FEW`] particles, which takes less time than to make a grid.
 pub fn all_pairs<T: Real, P: Probe, const D: usize>(
-    bodies: &impl Bodies<T, D>,
+    particles: &impl Particles<T, D>,
     probe: &mut P,
     sink: &mut impl Sink,
 ) {
     let mut records = [Record::NONE; FEW];
-    let records = &mut records[..bodies.len()];
+    let records = &mut records[..particles.len()];
     for (id, record) in (0..).zip(&mut *records) {
-        *record = Record::new(bodies, id);
+        *record = Record::new(particles, id);
     }
-    let touch = |i, j, probe: &mut P| bodies.touch(i, j, probe);
-    match bodies.uniform() {
-        Some(r) => pairs(records, &Judge::new(&touch, One::new(r, bodies.slack())), probe, sink),
-        None => pairs(records, &Judge::new(&touch, Each::new(bodies.slack())), probe, sink),
+    let touch = |i, j, probe: &mut P| particles.touch(i, j, probe);
+    match particles.uniform() {
+        Some(r) => pairs(records, &Judge::new(&touch, One::new(r, particles.slack())), probe, sink),
+        None => pairs(records, &Judge::new(&touch, Each::new(particles.slack())), probe, sink),
     }
 }
 
@@ -291,7 +291,7 @@ fn pairs<P: Probe, const D: usize>(
     probe: &mut P,
     sink: &mut impl Sink,
 ) {
-    let mut found = Found::none();
+    let mut found = PairBuffer::none();
     for (k, a) in records.iter().enumerate() {
         judge.against(a, &records[k + 1..], &mut found, probe, sink);
     }
@@ -301,7 +301,7 @@ fn pairs<P: Probe, const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Arithmetic, WithBodies, with_stored};
+    use crate::contact::{Arithmetic, WithParticles, with_stored};
     use crate::filter;
     use crate::limits::refusal::Refusal;
     use crate::probe::Tally;
@@ -310,21 +310,21 @@ mod tests {
     /// Compares the decisions from records with the contact test, for all pairs of a scene. Also
     /// checks that the boxes of pairs that touch overlap.
     struct Pairs(u64);
-    impl<T: Real, const D: usize> WithBodies<T, D> for &mut Pairs {
+    impl<T: Real, const D: usize> WithParticles<T, D> for &mut Pairs {
         type Output = Result<(), Refusal>;
-        fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
-            let nearness = Each::new(bodies.slack());
-            let touch = |i, j, probe: &mut Tally| bodies.touch(i, j, probe);
+        fn call<B: Particles<T, D>>(self, particles: B) -> Self::Output {
+            let nearness = Each::new(particles.slack());
+            let touch = |i, j, probe: &mut Tally| particles.touch(i, j, probe);
             let judge = Judge::new(&touch, nearness);
             let records: Vec<Record<D>> =
-                (0..bodies.len() as u32).map(|id| Record::new(&bodies, id)).collect();
+                (0..particles.len() as u32).map(|id| Record::new(&particles, id)).collect();
             for (i, a) in records.iter().enumerate() {
                 let (mut found, mut probe, mut pairs, mut expected) =
-                    (Found::none(), Tally::default(), Vec::new(), Vec::new());
+                    (PairBuffer::none(), Tally::default(), Vec::new(), Vec::new());
                 judge.against(a, &records[i + 1..], &mut found, &mut probe, &mut pairs);
                 found.flush(&mut pairs);
                 for b in &records[i + 1..] {
-                    if bodies.touch(a.id, b.id, &mut probe) {
+                    if particles.touch(a.id, b.id, &mut probe) {
                         expected.push([a.id, b.id]);
                         let interval = |record: &Record<D>, k: usize| {
                             filter::interval(record.position[k], nearness.half(record.radius))

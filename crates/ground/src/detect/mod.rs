@@ -10,7 +10,7 @@ pub mod company;
 pub mod copies;
 pub mod rows;
 
-use crate::contact::Bodies;
+use crate::contact::Particles;
 use crate::limits::memory::default_limit;
 use crate::limits::refusal::Refusal;
 use crate::pairs::sink::Sink;
@@ -19,18 +19,18 @@ use crate::scene::Real;
 
 /// Finds the contacts of a scene.
 ///
-/// Every pair that [`Bodies::touch`] accepts is reported exactly once. The order of pairs, and of
+/// Every pair that [`Particles::touch`] accepts is reported exactly once. The order of pairs, and of
 /// the two numbers in a pair, is not specified. Buffers kept from earlier calls may change the cost
 /// of a call, never its result. A call for a scene of the same shape as before allocates nothing.
 pub trait Detector<T: Real, const D: usize> {
-    /// Reports the contacts of `bodies` to `sink` and the operations to `probe`.
+    /// Reports the contacts of `particles` to `sink` and the operations to `probe`.
     ///
     /// # Errors
     /// Returns the refusals that the detector's documentation lists, before any contact is
     /// reported.
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal>;

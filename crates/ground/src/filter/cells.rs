@@ -24,7 +24,7 @@
 //! checks. `count` includes both: "nx" in every memory formula is the number of other cells plus 2.
 
 use super::bounds;
-use crate::contact::{Bodies, Margin};
+use crate::contact::{Margin, Particles};
 use crate::limits::refusal::Refusal;
 use crate::probe::{Op, Probe};
 use crate::scene::Real;
@@ -44,28 +44,28 @@ pub struct Cells<const D: usize> {
 }
 
 impl<const D: usize> Cells<D> {
-    /// Creates the grid with the smallest cells for `bodies`: the edge is the reach of the contact
+    /// Creates the grid with the smallest cells for `particles`: the edge is the reach of the contact
     /// test plus the margin.
-    pub fn new<T: Real, B: Bodies<T, D>>(bodies: &B) -> Result<Cells<D>, Refusal> {
-        let (low, high) = bounds(bodies);
-        Cells::spanning(low, high, cell_reach(bodies, low, high), bodies.margin())
+    pub fn new<T: Real, B: Particles<T, D>>(particles: &B) -> Result<Cells<D>, Refusal> {
+        let (low, high) = bounds(particles);
+        Cells::spanning(low, high, cell_reach(particles, low, high), particles.margin())
     }
 
     /// Creates the grid of a size class with radii of at most `largest`, between two corners. The
     /// edge is the reach of two particles of that radius, or `least` if that is more. If there were
     /// too many such cells, they are wider, up to the reach of all particles.
-    pub fn of_class<T: Real, B: Bodies<T, D>>(
-        bodies: &B,
+    pub fn of_class<T: Real, B: Particles<T, D>>(
+        particles: &B,
         (low, high): ([f64; D], [f64; D]),
         largest: f64,
         least: f64,
     ) -> Result<Cells<D>, Refusal> {
-        let numbered = (extent(low, high) / (0.5 * MOST_CELLS)).min(bodies.reach());
-        let reach = bodies.class_reach(largest, largest).max(least).max(numbered);
-        Cells::spanning(low, high, reach, bodies.margin())
+        let numbered = (extent(low, high) / (0.5 * MOST_CELLS)).min(particles.reach());
+        let reach = particles.class_reach(largest, largest).max(least).max(numbered);
+        Cells::spanning(low, high, reach, particles.margin())
     }
 
-    /// Creates the grid between two corners for a given reach (see [`Bodies::reach`]).
+    /// Creates the grid between two corners for a given reach (see [`Particles::reach`]).
     pub fn spanning(
         low: [f64; D],
         high: [f64; D],
@@ -148,16 +148,20 @@ impl<const D: usize> Cells<D> {
     }
 }
 
-/// Returns the least width that cells for `bodies` must have: the reach of the contact test. If
+/// Returns the least width that cells for `particles` must have: the reach of the contact test. If
 /// all radii are 0, particles touch only if they coincide (or squares underflow); then cells are
 /// larger, about one particle each.
 pub fn cell_reach<T: Real, const D: usize>(
-    bodies: &impl Bodies<T, D>,
+    particles: &impl Particles<T, D>,
     low: [f64; D],
     high: [f64; D],
 ) -> f64 {
-    let points = spacing(low, high, bodies.len());
-    if bodies.reach() <= bodies.underflow() { bodies.reach().max(points) } else { bodies.reach() }
+    let points = spacing(low, high, particles.len());
+    if particles.reach() <= particles.underflow() {
+        particles.reach().max(points)
+    } else {
+        particles.reach()
+    }
 }
 
 /// Divides out of line, so that the compiler does not also divide for other arithmetics.

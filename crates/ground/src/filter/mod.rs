@@ -12,7 +12,7 @@
 //! **1. Reach.** If |xi - xj| is more than the reach along any axis, the pair does not touch.
 //! [`crate::contact::slack`] derives the reach and the [`Slack`] of the test, and also the reach of
 //! two size classes, which limits the search around small particles
-//! ([`crate::contact::Bodies::class_reach`]).
+//! ([`crate::contact::Particles::class_reach`]).
 //!
 //! **2. Comparisons need no widening.** Rounding is monotone: a <= b implies fl(a) <= fl(b), and
 //! fl(R) = R since R is a double. So for a pair with xj - xi <= R (true values):
@@ -147,22 +147,23 @@ pub fn interval(x: f64, half: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Arithmetic, Bodies, WithBodies, exact, with_stored};
+    use crate::contact::{Arithmetic, Particles, WithParticles, exact, with_stored};
     use crate::limits::refusal::Refusal;
     use crate::probe::Silent;
     use crate::scene::{AnyScene, Real};
 
     struct Agree(usize);
-    impl<T: Real, const D: usize> WithBodies<T, D> for &mut Agree {
+    impl<T: Real, const D: usize> WithParticles<T, D> for &mut Agree {
         type Output = Result<(), Refusal>;
-        fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
-            for j in 1..bodies.len() as u32 {
-                let (a, b) = (bodies.position(0), bodies.position(j));
+        fn call<B: Particles<T, D>>(self, particles: B) -> Self::Output {
+            for j in 1..particles.len() as u32 {
+                let (a, b) = (particles.position(0), particles.position(j));
                 let square = (0..D).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
                 if let Some(verdict) =
-                    Near::new(bodies.radius(0) + bodies.radius(j), bodies.slack()).verdict(square)
+                    Near::new(particles.radius(0) + particles.radius(j), particles.slack())
+                        .verdict(square)
                 {
-                    assert_eq!(verdict, bodies.touch(0, j, &mut Silent), "{a:?} {b:?}");
+                    assert_eq!(verdict, particles.touch(0, j, &mut Silent), "{a:?} {b:?}");
                     self.0 += 1;
                 }
             }

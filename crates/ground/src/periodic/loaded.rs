@@ -28,28 +28,28 @@ pub enum LoadError {
 
 /// A scene that can be searched, with the contact test or arithmetic that decides its contacts.
 #[derive(Clone, Copy)]
-pub enum Frame<'a> {
+pub enum Searchable<'a> {
     /// A scene in open space, with a contact test.
     Open(&'a AnyScene<'a>, Test),
     /// A scene in a periodic box, with an arithmetic.
     Boxed(&'a Periodic<'a>, Arithmetic),
 }
 
-impl<'a> Frame<'a> {
+impl<'a> Searchable<'a> {
     pub fn scene(&self) -> &'a AnyScene<'a> {
         match self {
-            Frame::Open(scene, _) => scene,
-            Frame::Boxed(periodic, _) => periodic.scene(),
+            Searchable::Open(scene, _) => scene,
+            Searchable::Boxed(periodic, _) => periodic.scene(),
         }
     }
 }
 
 impl<'a> Loaded<'a> {
     /// Returns the scene for a search; `arithmetic` must be the one for which it was prepared.
-    pub fn frame(&'a self, arithmetic: Arithmetic) -> Frame<'a> {
+    pub fn frame(&'a self, arithmetic: Arithmetic) -> Searchable<'a> {
         match self {
-            Loaded::Open(scene) => Frame::Open(scene, arithmetic.test()),
-            Loaded::InBox(scene) => Frame::Boxed(scene, arithmetic),
+            Loaded::Open(scene) => Searchable::Open(scene, arithmetic.test()),
+            Loaded::InBox(scene) => Searchable::Boxed(scene, arithmetic),
         }
     }
 

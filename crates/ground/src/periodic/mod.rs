@@ -9,7 +9,7 @@ mod list;
 mod loaded;
 
 pub use list::{ContactList, List};
-pub use loaded::{Frame, LoadError, Loaded};
+pub use loaded::{LoadError, Loaded, Searchable};
 
 use crate::contact::depth::depth_of_image;
 use crate::contact::image::Shift;

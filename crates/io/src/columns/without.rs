@@ -8,7 +8,7 @@ use super::Columns;
 use super::chosen::{Word, word};
 use crate::raw::lines::{listed, number};
 use crate::raw::room::room;
-use crate::types::Frame;
+use crate::types::FrameChoice;
 
 /// Leaves out contacts of particles with a given value in a column: all of them, or only contacts
 /// with particles of a second value.
@@ -108,9 +108,9 @@ impl Groups {
 
     /// Refuses values that no particle has, unless another frame may have them, and columns that
     /// not all particles have.
-    pub fn check(&self, particles: usize, frame: Frame, name: &str) -> anyhow::Result<()> {
+    pub fn check(&self, particles: usize, frame: FrameChoice, name: &str) -> anyhow::Result<()> {
         ensure!(self.of.len() == particles, "{name}: --without: not all particles have the column");
-        let missing = |k: &usize| frame != Frame::All && !self.of.contains(&(*k as u8));
+        let missing = |k: &usize| frame != FrameChoice::All && !self.of.contains(&(*k as u8));
         if let Some(k) = (0..self.values.len()).find(missing) {
             bail!("{name}: no particle has {} {}; look at --without", self.name, self.values[k].0);
         }

@@ -14,7 +14,7 @@ use crate::options::Options;
 use crate::particles::{Given, Loaded, Particles};
 use crate::raw::gzip::{self, Unpacking};
 use crate::raw::lines::Source;
-use crate::types::{About, Frame, Notice};
+use crate::types::{About, FrameChoice, Notice};
 use contactbench_ground::scene::AnyScene;
 
 pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>> {
@@ -39,7 +39,7 @@ pub fn frames<T>(
     body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let read = move |file: &Path, _, notice: &Option<Notice>| {
-        let options = Options { frame: Frame::Only, survey: false, ..options };
+        let options = Options { frame: FrameChoice::Only, survey: false, ..options };
         let ((mut particles, about), _) = opened(file, options, |mut frames| frames.one())?;
         particles.notices.extend(notice.clone());
         Ok((particles, About { file: Some(file.display().to_string()), ..about }))

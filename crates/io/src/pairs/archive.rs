@@ -7,13 +7,13 @@ use anyhow::{Context, bail, ensure};
 use super::array::Array;
 use super::columns::{Columns, is_image};
 use super::list::List;
-use super::{Table, push};
+use super::{RowReader, push};
 use crate::formats::npy::{self, Header};
 use crate::formats::npz;
 use crate::frames::{Choice, Reader};
 use crate::raw::lines::{Source, exact, listed, short};
 use crate::raw::room::room;
-use crate::types::{Frame, assumed};
+use crate::types::{FrameChoice, assumed};
 
 /// Names that numpy.savez gives to unnamed arrays.
 const UNNAMED: [&str; 2] = ["arr_0", "arr_1"];
@@ -52,8 +52,8 @@ impl Arrays {
                 self.names.extend(["sx", "sy", "sz"].into_iter().take(count).map(String::from));
             }
             Some(_) => {
-                let mut array = Table::new(Array::behind(source, header));
-                let list = array.next(&mut Choice::new(Frame::Only, false));
+                let mut array = RowReader::new(Array::behind(source, header));
+                let list = array.next(&mut Choice::new(FrameChoice::Only, false));
                 self.tables.push((label, list.map(Option::unwrap_or_default)));
             }
         }

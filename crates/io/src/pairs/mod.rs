@@ -16,7 +16,7 @@ use crate::frames::{Choice, Once, Reader, Step, Stream};
 use crate::load::{series, unpacked};
 use crate::raw::lines::{Lines, Source};
 use crate::raw::room::room;
-use crate::types::{Frame, Notice};
+use crate::types::{FrameChoice, Notice};
 
 mod archive;
 mod array;
@@ -47,20 +47,20 @@ impl Lists<'_> {
 
 /// Reads a contact list. `columns` chooses columns of a LAMMPS dump or CSV file: none, the two
 /// particles, or these and the two or three of the image.
-pub fn read(path: &Path, columns: &[&str], frame: Frame) -> anyhow::Result<List> {
+pub fn read(path: &Path, columns: &[&str], frame: FrameChoice) -> anyhow::Result<List> {
     lists(path, columns, frame, |lists| lists.chosen())
 }
 
 pub fn lists<T>(
     path: &Path,
     columns: &[&str],
-    frame: Frame,
+    frame: FrameChoice,
     body: impl FnOnce(Lists<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let name = path.display().to_string();
     let mut is_first = true;
     let read = move |file: &Path, index, notice: &Option<Notice>| {
-        let mut list = read(file, columns, Frame::Only)?;
+        let mut list = read(file, columns, FrameChoice::Only)?;
         list.notices.extend(notice.clone().filter(|_| std::mem::take(&mut is_first)));
         Ok(List { frame: Some(index), sparse: false, ..list })
     };
@@ -76,7 +76,7 @@ pub fn lists_from<T>(
     reader: impl Read,
     name: &str,
     columns: &[&str],
-    frame: Frame,
+    frame: FrameChoice,
     body: impl FnOnce(Lists<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let fits = matches!(columns.len(), 0 | 2 | 4 | 5);
@@ -94,7 +94,7 @@ fn open<'a>(
 ) -> anyhow::Result<Box<dyn Reader<List> + 'a>> {
     let name = source.name;
     if head.starts_with(npy::MAGIC) {
-        return Ok(Box::new(Table::new(array::Array::new(source))));
+        return Ok(Box::new(RowReader::new(array::Array::new(source))));
     }
     unread::refuse(head, name)?;
     if head.starts_with(b"PK\x03\x04") {
@@ -109,7 +109,7 @@ fn open<'a>(
     if head.starts_with(b"ITEM:") {
         return Ok(Box::new(dump::Dump::new(lines, columns)));
     }
-    Ok(Box::new(Table::new(csv::Csv::new(lines, columns))))
+    Ok(Box::new(RowReader::new(csv::Csv::new(lines, columns))))
 }
 
 /// Rows of pairs, each of which may contain its frame.
@@ -129,7 +129,7 @@ trait Rows {
     fn end(&mut self, list: &mut List);
 }
 
-struct Table<R> {
+struct RowReader<R> {
     rows: R,
     begun: bool,
     /// Frame or step of the current row, until the row is added to a list.
@@ -137,15 +137,15 @@ struct Table<R> {
     last: Option<i64>,
 }
 
-impl<R> Table<R> {
-    fn new(rows: R) -> Table<R> {
-        Table { rows, begun: false, ahead: None, last: None }
+impl<R> RowReader<R> {
+    fn new(rows: R) -> RowReader<R> {
+        RowReader { rows, begun: false, ahead: None, last: None }
     }
 }
 
-impl<R: Rows> Reader<List> for Table<R> {
+impl<R: Rows> Reader<List> for RowReader<R> {
     fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<List>> {
-        let Table { rows, ahead, last, begun } = self;
+        let RowReader { rows, ahead, last, begun } = self;
         let is_first = !std::mem::replace(begun, true);
         if is_first {
             rows.begin(choice)?;

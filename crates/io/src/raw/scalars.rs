@@ -5,25 +5,25 @@ use crate::raw::lines::among;
 macro_rules! kinds {
     ($($kind:ident $type:ty, $codes:literal, $names:literal;)*) => {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum Kind {
+        pub enum Scalar {
             $($kind),*
         }
 
-        impl Kind {
+        impl Scalar {
             /// Finds a type by its name in VTK.
-            pub fn named(name: &str) -> Option<Kind> {
+            pub fn named(name: &str) -> Option<Scalar> {
                 let name = name.to_ascii_lowercase();
-                [$((Kind::$kind, $names)),*].into_iter().find(|it| among(it.1, &name)).map(|it| it.0)
+                [$((Scalar::$kind, $names)),*].into_iter().find(|it| among(it.1, &name)).map(|it| it.0)
             }
 
             /// Finds a type by its code in NumPy, without byte order.
-            pub fn coded(code: &str) -> Option<Kind> {
-                [$((Kind::$kind, $codes)),*].into_iter().find(|it| among(it.1, code)).map(|it| it.0)
+            pub fn coded(code: &str) -> Option<Scalar> {
+                [$((Scalar::$kind, $codes)),*].into_iter().find(|it| among(it.1, code)).map(|it| it.0)
             }
 
             pub fn width(self) -> usize {
                 match self {
-                    $(Kind::$kind => size_of::<$type>(),)*
+                    $(Scalar::$kind => size_of::<$type>(),)*
                 }
             }
 
@@ -33,10 +33,10 @@ macro_rules! kinds {
             pub fn get(self, bytes: &[u8], big: bool) -> f64 {
                 match (self, big) {
                     $(
-                        (Kind::$kind, true) => {
+                        (Scalar::$kind, true) => {
                             bytes.first_chunk().map_or(0.0, |&it| <$type>::from_be_bytes(it) as f64)
                         }
-                        (Kind::$kind, false) => {
+                        (Scalar::$kind, false) => {
                             bytes.first_chunk().map_or(0.0, |&it| <$type>::from_le_bytes(it) as f64)
                         }
                     )*

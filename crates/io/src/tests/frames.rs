@@ -3,7 +3,7 @@
 use super::*;
 
 /// Returns x of the first particle, the number of the chosen frame, and the number of frames.
-fn one(bytes: &[u8], frame: Frame, survey: bool) -> Result<(f64, u64, u64), String> {
+fn one(bytes: &[u8], frame: FrameChoice, survey: bool) -> Result<(f64, u64, u64), String> {
     let options = Options { frame, survey, ..HALF };
     let read = load_from(bytes, "p", "", options).map_err(|error| format!("{error:#}"));
     read.map(|(particles, about)| (particles.centre(0)[0], about.frame, about.frames))
@@ -14,21 +14,21 @@ fn one_frame_is_read_by_the_code_that_reads_all() {
     let cube = npy_file("<f8", "False", "(3, 1, 2)", &doubles(&[0.0, 1.0, 1.0, 1.0, 2.0, 1.0]));
     let [(_, dump, _), (_, xyz, _), _] = growing();
     for bytes in [dump.as_bytes(), xyz.as_bytes(), &cube] {
-        assert_eq!(one(bytes, Frame::Number(1), true), Ok((1.0, 1, 3)));
-        assert_eq!(one(bytes, Frame::Number(1), false), Ok((1.0, 1, 2)));
-        assert_eq!(one(bytes, Frame::Number(0), false), Ok((0.0, 0, 1)));
-        assert_eq!(one(bytes, Frame::Last, false), Ok((2.0, 2, 3)));
+        assert_eq!(one(bytes, FrameChoice::Number(1), true), Ok((1.0, 1, 3)));
+        assert_eq!(one(bytes, FrameChoice::Number(1), false), Ok((1.0, 1, 2)));
+        assert_eq!(one(bytes, FrameChoice::Number(0), false), Ok((0.0, 0, 1)));
+        assert_eq!(one(bytes, FrameChoice::Last, false), Ok((2.0, 2, 3)));
         let refused = |frame| one(bytes, frame, false).unwrap_err();
         assert_eq!(
-            refused(Frame::Number(3)),
+            refused(FrameChoice::Number(3)),
             "p holds 3 frames, numbered from 0; there is no frame 3"
         );
-        assert!(refused(Frame::Only).contains("a second frame begins; choose one"));
+        assert!(refused(FrameChoice::Only).contains("a second frame begins; choose one"));
         let all = "p: one frame is wanted here; give --frame a number from 0, or last";
-        assert_eq!(refused(Frame::All), all);
+        assert_eq!(refused(FrameChoice::All), all);
     }
     let torn = &b"1\n\nA 0 0 0\n1\n\nA x 0 0\n1\n\nA 5 0 0\n"[..];
-    let options = Options { frame: Frame::All, ..HALF };
+    let options = Options { frame: FrameChoice::All, ..HALF };
     let count = frames_from(torn, "p", "xyz", options, |frames| Ok(frames.take(9).count()));
     assert_eq!(count.unwrap(), 2, "a frame and an error");
 }
@@ -78,7 +78,7 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
             };
             for k in [0, 1] {
                 for survey in [false, true] {
-                    let (particles, _) = load(Frame::Number(k), survey).unwrap();
+                    let (particles, _) = load(FrameChoice::Number(k), survey).unwrap();
                     assert_eq!(particles.centre(0)[0], k as f64, "{ending} {cut} {k}");
                     let said = |notice: &Notice| {
                         let words = notice.words(Place::Argument);
@@ -89,9 +89,9 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
                 }
             }
             let whole = "frames before it are whole: take --frame 1";
-            let error = load(Frame::Last, false).unwrap_err();
+            let error = load(FrameChoice::Last, false).unwrap_err();
             assert!(error.ends_with(whole), "{ending} {cut}: {error}");
-            let all = Options { frame: Frame::All, ..HALF };
+            let all = Options { frame: FrameChoice::All, ..HALF };
             let mut count = 0;
             let end = frames_from(bytes, "p", ending, all, |frames| {
                 frames.map(|frame| frame.map(|_| count += 1)).collect::<anyhow::Result<Vec<_>>>()
@@ -100,7 +100,7 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
             assert_eq!(count, 2, "{ending} {cut}");
         }
         let some: String = text.split_inclusive('\n').take(lines).collect();
-        let last = Options { frame: Frame::Last, ..HALF };
+        let last = Options { frame: FrameChoice::Last, ..HALF };
         let (particles, _) = load_from(some.as_bytes(), "p", ending, last).unwrap();
         assert_eq!(particles.centre(0)[0], 1.0);
         // Without its line feed, the last number may be cut.

@@ -15,7 +15,7 @@ type Told = (Vec<(Vec<f64>, u64, Option<f64>)>, String);
 
 fn all(path: &Path, options: Options) -> Told {
     let mut told = Vec::new();
-    let end = crate::frames(path, Options { frame: Frame::All, ..options }, |frames| {
+    let end = crate::frames(path, Options { frame: FrameChoice::All, ..options }, |frames| {
         for frame in frames {
             let (particles, about) = frame?;
             let x = (0..particles.len()).map(|k| particles.centre(k)[0]).collect();
@@ -45,15 +45,15 @@ fn files_of_a_pattern_are_frames_in_the_order_of_their_numbers() {
         assert!(said, "what was assumed is a notice");
         (particles.centre(0)[0], about.frame, about.frames)
     };
-    assert_eq!(one(Frame::Last, false), (100.0, 2, 3));
-    assert_eq!(one(Frame::Number(0), true), (9.0, 0, 3));
-    assert_eq!(one(Frame::Number(1), false), (10.0, 1, 2));
+    assert_eq!(one(FrameChoice::Last, false), (100.0, 2, 3));
+    assert_eq!(one(FrameChoice::Number(0), true), (9.0, 0, 3));
+    assert_eq!(one(FrameChoice::Number(1), false), (10.0, 1, 2));
     let refused =
         |path: &Path, frame| format!("{:#}", load(path, Options { frame, ..NONE }).unwrap_err());
-    assert!(refused(&pattern, Frame::Number(3)).contains("there is no frame 3"));
-    assert!(refused(&pattern, Frame::Only).contains("a second frame begins"));
+    assert!(refused(&pattern, FrameChoice::Number(3)).contains("there is no frame 3"));
+    assert!(refused(&pattern, FrameChoice::Only).contains("a second frame begins"));
     let none = folder.path().join("walk_*.csv");
-    assert!(refused(&none, Frame::Last).contains("no file matches the pattern"));
+    assert!(refused(&none, FrameChoice::Last).contains("no file matches the pattern"));
     std::fs::write(folder.path().join("run_11.csv"), "x,y,r\n1,2\n").unwrap();
     let (told, end) = all(&pattern, NONE);
     assert!(told.len() == 2 && end.contains("run_11.csv:2: 2 columns"), "{end}");
@@ -68,10 +68,10 @@ fn lists_of_a_pattern_are_those_of_frames() {
             lists.map(|list| list.map(|it| (it.frame, it.pairs.len(), it.notices.len()))).collect()
         })
     };
-    assert_eq!(lists(Frame::All).unwrap(), [(Some(0), 1, 1), (Some(1), 0, 0)]);
-    assert_eq!(pairs::read(&pattern, &[], Frame::Last).unwrap().frame, Some(1));
-    assert_eq!(pairs::read(&pattern, &[], Frame::Number(0)).unwrap().pairs, [[0, 1]]);
-    assert!(pairs::read(&pattern, &[], Frame::Only).is_err());
-    let none = pairs::read(&folder.path().join("n_*.csv"), &[], Frame::Last).unwrap_err();
+    assert_eq!(lists(FrameChoice::All).unwrap(), [(Some(0), 1, 1), (Some(1), 0, 0)]);
+    assert_eq!(pairs::read(&pattern, &[], FrameChoice::Last).unwrap().frame, Some(1));
+    assert_eq!(pairs::read(&pattern, &[], FrameChoice::Number(0)).unwrap().pairs, [[0, 1]]);
+    assert!(pairs::read(&pattern, &[], FrameChoice::Only).is_err());
+    let none = pairs::read(&folder.path().join("n_*.csv"), &[], FrameChoice::Last).unwrap_err();
     assert!(none.to_string().contains("no file matches the pattern"), "{none}");
 }

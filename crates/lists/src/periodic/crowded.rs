@@ -9,7 +9,7 @@
 //! depends on the scene only, and does not change the contacts.
 
 use super::made::Made;
-use contactbench_ground::contact::{Bodies, StoredBodies};
+use contactbench_ground::contact::{Particles, StoredParticles};
 use contactbench_ground::detect::Detector;
 use contactbench_ground::detect::any::{Of, Searched};
 use contactbench_ground::limits::refusal::Refusal;
@@ -90,13 +90,13 @@ pub fn search(
 ) -> Result<(), Refusal> {
     let mut direct = OfOwners(owners);
     match searched {
-        Searched::Plane(Of::Images(images)) => direct.detect(images.bodies()?, probe, sink),
-        Searched::Space(Of::Images(images)) => direct.detect(images.bodies()?, probe, sink),
+        Searched::Plane(Of::Images(images)) => direct.detect(images.particles()?, probe, sink),
+        Searched::Space(Of::Images(images)) => direct.detect(images.particles()?, probe, sink),
         Searched::Plane(Of::Scene(scene, test)) => {
-            direct.detect(StoredBodies::<2, false>::new(scene, *test)?, probe, sink)
+            direct.detect(StoredParticles::<2, false>::new(scene, *test)?, probe, sink)
         }
         Searched::Space(Of::Scene(scene, test)) => {
-            direct.detect(StoredBodies::<3, false>::new(scene, *test)?, probe, sink)
+            direct.detect(StoredParticles::<3, false>::new(scene, *test)?, probe, sink)
         }
     }
 }
@@ -104,15 +104,15 @@ pub fn search(
 struct OfOwners(u32);
 
 impl<T: Real, const D: usize> Detector<T, D> for OfOwners {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
         for i in 0..self.0 {
-            for j in i + 1..bodies.len() as u32 {
-                if bodies.touch(i, j, probe) {
+            for j in i + 1..particles.len() as u32 {
+                if particles.touch(i, j, probe) {
                     sink.contact(i, j);
                 }
             }

@@ -13,7 +13,7 @@
 //!
 //! Let ca >= |ga·(p - p')| + |ga| R, and c be the largest ca. If each sum of rab over b is at most
 //! 1/4, the largest |T| is at most c + |T|/4, hence below 2c. So Ta is within |ga| R + 2c·off(a) of
-//! ga·(p - p'), where off(a) is the sum of rab: [`Frame::coupling`]. Boxes with an off above 1/4
+//! ga·(p - p'), where off(a) is the sum of rab: [`ReducedBox::coupling`]. Boxes with an off above 1/4
 //! are refused: their vectors are so long and so nearly coplanar that no filter in f64 can separate
 //! their images.
 //!
@@ -22,7 +22,7 @@
 //! are the shortest, which are integer combinations of the given ones. They are rounded, so
 //! wherever a product with them appears above, the effect of their errors (`off_by`) is added to
 //! rab. T and the integers that bring particles into the box refer to the vectors H. Names of
-//! images and all decisions refer to the given vectors ([`Frame::given`]). Given vectors that are
+//! images and all decisions refer to the given vectors ([`ReducedBox::given`]). Given vectors that are
 //! nearly as good are kept, so that particles in the box need not be moved.
 //!
 //! **Upright boxes.** Particles given with a tilted box often lie in the upright box instead.
@@ -61,7 +61,7 @@ const BETTER: f64 = 0.75;
 
 /// A box with its duals and error bounds; the module documentation derives them.
 #[derive(Clone, Debug)]
-pub struct Frame<const D: usize> {
+pub struct ReducedBox<const D: usize> {
     /// Whether the box is periodic along each of its vectors.
     pub periodic: [bool; 3],
     /// The given vectors; 0 for vectors along which the box is open.
@@ -83,17 +83,17 @@ pub struct Frame<const D: usize> {
     pub order: [usize; 3],
 }
 
-impl<const D: usize> Frame<D> {
+impl<const D: usize> ReducedBox<D> {
     /// Creates a frame from the given vectors or from shorter vectors of the same lattice. Fails
     /// with [`Refusal::Skewed`] if images cannot be separated.
-    pub fn new(lattice: &Lattice) -> Result<Frame<D>, Refusal> {
-        let given = Frame::of(lattice, lattice, AS_GIVEN);
+    pub fn new(lattice: &Lattice) -> Result<ReducedBox<D>, Refusal> {
+        let given = ReducedBox::of(lattice, lattice, AS_GIVEN);
         let (reduced, numbers) = lattice.reduced();
         if numbers == AS_GIVEN {
             return given;
         }
-        let reduced = Frame::of(lattice, &reduced, numbers);
-        let images = |frame: &Frame<D>| frame.lengths.iter().sum::<f64>();
+        let reduced = ReducedBox::of(lattice, &reduced, numbers);
+        let images = |frame: &ReducedBox<D>| frame.lengths.iter().sum::<f64>();
         match (given, reduced) {
             (Ok(given), Ok(reduced)) if images(&reduced) < BETTER * images(&given) => Ok(reduced),
             (Err(_), Ok(reduced)) => Ok(reduced),
@@ -102,7 +102,11 @@ impl<const D: usize> Frame<D> {
     }
 
     /// Creates a frame from vectors that are these integer combinations of the given ones.
-    pub fn of(given: &Lattice, lattice: &Lattice, numbers: Numbers) -> Result<Frame<D>, Refusal> {
+    pub fn of(
+        given: &Lattice,
+        lattice: &Lattice,
+        numbers: Numbers,
+    ) -> Result<ReducedBox<D>, Refusal> {
         let periodic = given.periodic();
         let cut = |vector: [f64; 3]| fill(|k| vector[k]);
         let row = |a: usize, vector: [f64; 3]| if periodic[a] { cut(vector) } else { [0.0; D] };
@@ -136,12 +140,23 @@ impl<const D: usize> Frame<D> {
         }
         let origin = cut(given.origin());
         let (shear, order) = ([[0.0; 3]; 3], [0, 1, 2]);
-        Ok(Frame { periodic, vectors, numbers, own, duals, origin, lengths, off, shear, order })
+        Ok(ReducedBox {
+            periodic,
+            vectors,
+            numbers,
+            own,
+            duals,
+            origin,
+            lengths,
+            off,
+            shear,
+            order,
+        })
     }
 
     /// Returns the frame of an upright box if the vectors in use are the given ones and allow it.
     /// An untilted box has no other frame.
-    pub fn upright(&self) -> Option<Frame<D>> {
+    pub fn upright(&self) -> Option<ReducedBox<D>> {
         let (own, mut shear) = (&self.own, [[0.0; 3]; 3]);
         let allowed = |a: usize, b: usize| {
             if b < a { own[b][a] == 0.0 } else { own[b][a].abs() <= own[a][a] }
@@ -149,7 +164,7 @@ impl<const D: usize> Frame<D> {
         if !self.is_as_given() || !(0..D).all(|a| (0..D).all(|b| allowed(a, b))) {
             return None;
         }
-        let mut frame = Frame { off: [0.0; 3], ..self.clone() };
+        let mut frame = ReducedBox { off: [0.0; 3], ..self.clone() };
         for a in (0..D).filter(|&a| self.periodic[a]) {
             let dual = 1.0 / own[a][a];
             frame.duals[a] = fill(|k| if k == a { dual } else { 0.0 });
@@ -163,7 +178,7 @@ impl<const D: usize> Frame<D> {
         }
         let usable = frame.lengths.iter().all(|length| length.is_finite());
         let tilted = shear != [[0.0; 3]; 3];
-        (usable && tilted).then_some(Frame { shear, order: [2, 1, 0], ..frame })
+        (usable && tilted).then_some(ReducedBox { shear, order: [2, 1, 0], ..frame })
     }
 
     /// Returns whether this is the frame of an upright box in a tilted one.
@@ -218,7 +233,7 @@ impl<const D: usize> Frame<D> {
         self.fraction(a, &self.origin)
     }
 
-    /// Returns the computed fraction ga·x, within 4u times [`Frame::most`] of the true value; 0 if
+    /// Returns the computed fraction ga·x, within 4u times [`ReducedBox::most`] of the true value; 0 if
     /// the box is open along vector `a`.
     pub fn fraction(&self, a: usize, x: &[f64; D]) -> f64 {
         dot(self.duals[a], *x)

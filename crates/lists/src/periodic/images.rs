@@ -12,8 +12,8 @@
 
 use nalgebra::Point;
 
-use super::frame::Frame;
-use super::made::{Body, Made, tag};
+use super::frame::ReducedBox;
+use super::made::{Instance, Made, tag};
 use super::near::{Candidate, Near, Reach, survey};
 use contactbench_ground::contact::{Arithmetic, Corners, Slack};
 use contactbench_ground::limits::refusal::{Refusal, reserve};
@@ -29,7 +29,7 @@ pub struct Images<const D: usize> {
     /// One-byte codes of `wraps`. Nearly all pairs have equal codes, which mean equal shifts.
     tags: Vec<u8>,
     candidates: Vec<Candidate<D>>,
-    images: Vec<Body>,
+    images: Vec<Instance>,
     centres: Vec<Point<f64, D>>,
     /// Radii of particles and images; empty if all radii are equal.
     radii: Vec<f64>,
@@ -56,7 +56,7 @@ impl Budget {
             Storage::F32 => size_of::<f32>() * numbers,
             Storage::F64 => 0,
         };
-        let (particles, each) = (given.len() as u64, size_of::<Body>() + 8 * numbers + stored);
+        let (particles, each) = (given.len() as u64, size_of::<Instance>() + 8 * numbers + stored);
         let fixed = (particles * stored as u64) as f64;
         Budget { particles, limit, fixed, each: each as f64, reach: 0.0 }
     }
@@ -94,7 +94,7 @@ impl<const D: usize> Images<D> {
         arithmetic: Arithmetic,
         limit: u64,
     ) -> Result<Made<'a, D>, Refusal> {
-        let mut frame = Frame::new(lattice)?;
+        let mut frame = ReducedBox::new(lattice)?;
         self.clear();
         let mut budget = Budget::new(given, arithmetic.storage(), limit);
         budget.holds(0.0)?;
@@ -154,12 +154,12 @@ impl<const D: usize> Images<D> {
     fn look<'a>(
         &mut self,
         given: &Scene<'_, f64, D>,
-        frame: &'a Frame<D>,
-        upright: Option<&'a Frame<D>>,
+        frame: &'a ReducedBox<D>,
+        upright: Option<&'a ReducedBox<D>>,
         reach: Reach,
         budget: &mut Budget,
     ) -> Result<Near<'a, D>, Refusal> {
-        let mut see = |centres: &[Point<f64, D>], frame: &'a Frame<D>| {
+        let mut see = |centres: &[Point<f64, D>], frame: &'a ReducedBox<D>| {
             let below = reach.guess(frame);
             let found = survey(centres, frame, below, &mut self.candidates);
             (frame, below, found)
@@ -225,7 +225,7 @@ impl<const D: usize> Images<D> {
         }
     }
 
-    fn wrap(&mut self, given: &Scene<'_, f64, D>, frame: &Frame<D>) -> Result<(), Refusal> {
+    fn wrap(&mut self, given: &Scene<'_, f64, D>, frame: &ReducedBox<D>) -> Result<(), Refusal> {
         reserve(&mut self.places, given.len())?;
         reserve(&mut self.wraps, given.len())?;
         reserve(&mut self.tags, given.len())?;
@@ -306,7 +306,7 @@ impl<const D: usize> Images<D> {
                 for k in 0..D {
                     (low[k], high[k]) = (low[k].min(place[k]), high[k].max(place[k]));
                 }
-                self.images.push(Body { owner: *owner, image });
+                self.images.push(Instance { owner: *owner, image });
                 self.centres.push(place.into());
             });
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::Point;
 
-use super::frame::Frame;
+use super::frame::ReducedBox;
 use contactbench_ground::contact::image::{self, Shift};
 use contactbench_ground::contact::{Corners, Decided, Imaged, Slack, Test, rule};
 use contactbench_ground::limits::refusal::{Refusal, reserve};
@@ -12,7 +12,7 @@ use contactbench_ground::wide::fill;
 
 /// Image of a particle, named by its owner and its shift from the owner's given position.
 #[derive(Clone, Copy, Debug)]
-pub struct Body {
+pub struct Instance {
     pub owner: u32,
     pub image: [i32; 3],
 }
@@ -20,12 +20,12 @@ pub struct Body {
 /// An open scene that represents a periodic one: the particles in order, then their images.
 pub struct Made<'a, const D: usize> {
     pub given: &'a Scene<'a, f64, D>,
-    pub frame: Frame<D>,
+    pub frame: ReducedBox<D>,
     pub owners: &'a [Point<f64, D>],
     /// Shift that brought each particle into the box; empty if no particle was moved.
     pub wraps: &'a [[i32; 3]],
     pub tags: &'a [u8],
-    pub images: &'a [Body],
+    pub images: &'a [Instance],
     pub centres: &'a [Point<f64, D>],
     pub radii: Radii<'a, f64>,
     pub largest_radius: f64,
@@ -68,7 +68,7 @@ impl<'a, const D: usize> Made<'a, D> {
     /// Returns the contact of a particle and an image, in any order, if no particle was moved.
     #[inline]
     pub fn through(&self, a: u32, b: u32) -> ImagePair {
-        let Body { owner, image } = self.images[(a.max(b) - self.particles()) as usize];
+        let Instance { owner, image } = self.images[(a.max(b) - self.particles()) as usize];
         ImagePair::new(a.min(b), owner, image)
     }
 
@@ -102,12 +102,12 @@ impl<'a, const D: usize> Made<'a, D> {
     }
 
     #[inline]
-    fn body(&self, body: usize) -> Body {
+    fn body(&self, body: usize) -> Instance {
         match body.checked_sub(self.given.len()) {
             Some(image) => self.images[image],
             None => {
                 let image = self.wraps.get(body).copied().unwrap_or_default();
-                Body { owner: body as u32, image }
+                Instance { owner: body as u32, image }
             }
         }
     }

@@ -38,7 +38,7 @@
 
 use nalgebra::Point;
 
-use super::frame::{Frame, MOST, U, floor, off_by};
+use super::frame::{MOST, ReducedBox, U, floor, off_by};
 use contactbench_ground::contact::{Arithmetic, Corners, Slack};
 use contactbench_ground::filter::cells::spacing;
 use contactbench_ground::limits::refusal::Refusal;
@@ -90,7 +90,7 @@ impl Reach {
     /// Guesses, for each vector, the fraction below which particles may have images, in a scene
     /// that begins at the corner of its box. The guess is rather too high, because each extra
     /// particle costs little.
-    pub fn guess<const D: usize>(&self, frame: &Frame<D>) -> [f64; 3] {
+    pub fn guess<const D: usize>(&self, frame: &ReducedBox<D>) -> [f64; 3] {
         let boxes = self.boxes(frame);
         fill(|a| {
             let below = frame.corner(a) + 1.125 * boxes[a];
@@ -99,7 +99,7 @@ impl Reach {
     }
 
     /// Returns the reach of the largest particle in distances of the faces of the box.
-    pub fn boxes<const D: usize>(&self, frame: &Frame<D>) -> [f64; 3] {
+    pub fn boxes<const D: usize>(&self, frame: &ReducedBox<D>) -> [f64; 3] {
         frame.lengths.map(|length| length * self.of(self.largest_radius, 0.0))
     }
 }
@@ -126,7 +126,7 @@ impl<const D: usize> Survey<D> {
     }
 
     /// Returns whether all particles fit in one box, at any corner that is not too far away.
-    pub fn fit(&self, frame: &Frame<D>) -> bool {
+    pub fn fit(&self, frame: &ReducedBox<D>) -> bool {
         (0..3).filter(|&a| frame.periodic[a]).all(|a| {
             let away = [self.low[a], self.high[a]].map(|f| (f - frame.corner(a)).abs());
             self.high[a] - self.low[a] <= 1.0 + WIDER && away.iter().all(|&away| away < FAR)
@@ -146,7 +146,7 @@ pub struct Candidate<const D: usize> {
 /// and perhaps some more, until the list is full.
 pub fn survey<const D: usize>(
     centres: &[Point<f64, D>],
-    frame: &Frame<D>,
+    frame: &ReducedBox<D>,
     below: [f64; 3],
     list: &mut Vec<Candidate<D>>,
 ) -> Survey<D> {
@@ -243,7 +243,7 @@ where
 
 /// Determines which images are near enough to some owner to touch it.
 pub struct Near<'a, const D: usize> {
-    pub frame: &'a Frame<D>,
+    pub frame: &'a ReducedBox<D>,
     /// Corners and extreme fractions of owners.
     pub found: Survey<D>,
     /// The margin M without its part |ga| R.
@@ -267,7 +267,7 @@ impl<'a, const D: usize> Near<'a, D> {
     /// at most `x_most` in magnitude. Fails with [`Refusal::Range`] if positions of images
     /// overflow, and [`Refusal::Skewed`] if images cannot be numbered in the given vectors.
     pub fn new(
-        frame: &'a Frame<D>,
+        frame: &'a ReducedBox<D>,
         found: Survey<D>,
         x_most: [f64; D],
         wraps: [u32; 3],
@@ -381,12 +381,12 @@ impl<'a, const D: usize> Near<'a, D> {
 
     /// Returns the slack of the exact test for all particles and images, whose positions lie
     /// between these corners.
-    pub fn slack(&self, corners: Option<Corners<D>>, bodies: usize) -> Slack {
+    pub fn slack(&self, corners: Option<Corners<D>>, particles: usize) -> Slack {
         let mut absolute = 2.125 * self.off;
         if let (Some((low, high)), true) =
             (corners, 2.0 * self.reach.largest_radius <= f64::UNDERFLOW)
         {
-            absolute = absolute.max(spacing(low, high, bodies));
+            absolute = absolute.max(spacing(low, high, particles));
         }
         Slack { relative: 8.0 * U, absolute }
     }

@@ -8,7 +8,7 @@ use contactbench_ground::periodic::{ImagePair, List};
 use contactbench_ground::scene::Scene;
 use contactbench_ground::wide::Spot;
 
-pub(super) trait Answer {
+pub(super) trait PairReceiver {
     /// Whether pairs are numbered by places or by the scene's particle numbers.
     const BY_PLACE: bool;
 
@@ -24,7 +24,7 @@ pub(super) struct Open<'a, 'p, F> {
     pub pairs: &'a mut PairList<'p>,
 }
 
-impl<F: FnMut(u32, u32) -> bool> Answer for Open<'_, '_, F> {
+impl<F: FnMut(u32, u32) -> bool> PairReceiver for Open<'_, '_, F> {
     const BY_PLACE: bool = false;
 
     #[inline(always)]
@@ -74,7 +74,7 @@ impl<const D: usize> Boxed<'_, '_, D> {
     }
 }
 
-impl<const D: usize> Answer for Boxed<'_, '_, D> {
+impl<const D: usize> PairReceiver for Boxed<'_, '_, D> {
     const BY_PLACE: bool = true;
 
     fn take(&mut self, pairs: &[[u32; 2]]) {

@@ -2,7 +2,7 @@
 
 use nalgebra::Point;
 
-use super::answer::{Answer, Boxed, Open};
+use super::answer::{Boxed, Open, PairReceiver};
 use super::around::Around;
 use super::cells::{self, Room};
 use super::pass::{Each, Pass, Reach, Same};
@@ -11,10 +11,10 @@ use super::radii::KeptRadii;
 use super::rule::{Displacements, Looks, Rule};
 use super::travel::{TopTwo, at_most, square};
 use crate::searcher::Searcher;
-use contactbench_ground::contact::{Arithmetic, Bodies, Corners, Slack, Test};
+use contactbench_ground::contact::{Arithmetic, Corners, Particles, Slack, Test};
 use contactbench_ground::limits::refusal::{Refusal, reserve};
 use contactbench_ground::pairs::pair_list::{PAIR_BYTES, PairList};
-use contactbench_ground::periodic::Frame;
+use contactbench_ground::periodic::Searchable;
 use contactbench_ground::periodic::{ContactList, List, Periodic};
 use contactbench_ground::probe::{Op, Probe, Tally};
 use contactbench_ground::radix::prefetch_to_read;
@@ -162,10 +162,10 @@ impl<const D: usize> Kept<D> {
             shifted: std::mem::take(&mut self.around.through),
         };
         let listed = match lattice {
-            None => search.find(Frame::Open(&wider, Test::Exact), tally, &mut contacts),
+            None => search.find(Searchable::Open(&wider, Test::Exact), tally, &mut contacts),
             Some(lattice) => {
                 Periodic::new(wider, *lattice).map_err(|_| Refusal::Range).and_then(|wider| {
-                    search.find(Frame::Boxed(&wider, Arithmetic::Exact), tally, &mut contacts)
+                    search.find(Searchable::Boxed(&wider, Arithmetic::Exact), tally, &mut contacts)
                 })
             }
         };
@@ -212,10 +212,10 @@ impl<const D: usize> Kept<D> {
 
     /// Appends the listed pairs that touch in this frame to `pairs`. Returns the number of tests
     /// that used exact arithmetic.
-    pub fn pass<T: Real, B: Bodies<T, D>>(&self, bodies: B, pairs: &mut PairList<'_>) -> u64 {
+    pub fn pass<T: Real, B: Particles<T, D>>(&self, particles: B, pairs: &mut PairList<'_>) -> u64 {
         let mut tally = Tally::default();
-        let touch = |i, j| bodies.touch(i, j, &mut tally);
-        self.pass_to(bodies.slack(), &mut Open { touch, pairs });
+        let touch = |i, j| particles.touch(i, j, &mut tally);
+        self.pass_to(particles.slack(), &mut Open { touch, pairs });
         tally.get(Op::ExactTest)
     }
 
@@ -233,7 +233,7 @@ impl<const D: usize> Kept<D> {
         boxed.exact
     }
 
-    fn pass_to(&self, slack: Slack, answer: &mut impl Answer) {
+    fn pass_to(&self, slack: Slack, answer: &mut impl PairReceiver) {
         let near = self.unit.near(slack);
         match &self.radii {
             KeptRadii::Each { placed, .. } => self.pass_by(Each { placed, near }, answer),
@@ -241,7 +241,7 @@ impl<const D: usize> Kept<D> {
         }
     }
 
-    fn pass_by<A: Answer>(&self, reach: impl Reach, answer: &mut A) {
+    fn pass_by<A: PairReceiver>(&self, reach: impl Reach, answer: &mut A) {
         let (spots, listed) = (&self.spots[..], &self.listed[..]);
         Level::best().run(Pass { spots, listed, reach, answer });
     }

@@ -35,7 +35,7 @@ use contactbench_ground::contact::Test;
 use contactbench_ground::detect::any::AnyDetector;
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::periodic::ContactList;
-use contactbench_ground::periodic::Frame;
+use contactbench_ground::periodic::Searchable;
 use contactbench_ground::probe::Tally;
 use contactbench_ground::scene::AnyScene;
 
@@ -55,7 +55,7 @@ pub trait Tracker: Send {
     /// first.
     fn find(
         &mut self,
-        frame: Frame<'_>,
+        frame: Searchable<'_>,
         tally: Option<&mut Tally>,
         contacts: &mut ContactList,
     ) -> Result<Step, Refusal>;
@@ -69,7 +69,7 @@ pub trait Tracker: Send {
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<Step, Refusal> {
         let mut contacts = ContactList { plain: std::mem::take(pairs), shifted: Vec::new() };
-        let step = self.find(Frame::Open(frame, test), tally, &mut contacts);
+        let step = self.find(Searchable::Open(frame, test), tally, &mut contacts);
         *pairs = contacts.plain;
         step
     }
@@ -137,7 +137,7 @@ struct EveryStep(Searcher);
 impl Tracker for EveryStep {
     fn find(
         &mut self,
-        frame: Frame<'_>,
+        frame: Searchable<'_>,
         tally: Option<&mut Tally>,
         contacts: &mut ContactList,
     ) -> Result<Step, Refusal> {

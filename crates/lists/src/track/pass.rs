@@ -3,7 +3,7 @@
 //! Sixteen pairs are tested at a time, without branches, because branches would be unpredictable.
 //! The `answer` decides the pairs that positions in f32 leave open.
 
-use super::answer::Answer;
+use super::answer::PairReceiver;
 use contactbench_ground::filter::Near;
 use contactbench_ground::wide::{Kernel, LANES, Spot, Wide};
 
@@ -66,7 +66,7 @@ fn beyond(outer: f64) -> f32 {
     if outer < f64::INFINITY { within(outer).next_up() } else { f32::NAN }
 }
 
-impl<R: Reach, A: Answer> Kernel for Pass<'_, R, A> {
+impl<R: Reach, A: PairReceiver> Kernel for Pass<'_, R, A> {
     type Output = ();
 
     #[inline(always)]
@@ -95,7 +95,7 @@ const ALL: u32 = (1 << LANES) - 1;
 /// Writes the pairs of `mask` that certainly touch to the front of `to` and returns their number.
 /// The `answer` decides pairs that positions in f32 leave open.
 #[inline(always)]
-fn look<W: Wide, R: Reach, A: Answer>(
+fn look<W: Wide, R: Reach, A: PairReceiver>(
     w: W,
     spots: &[Spot],
     places: &[[u32; 2]; LANES],
@@ -122,7 +122,7 @@ fn look<W: Wide, R: Reach, A: Answer>(
 
 #[cold]
 #[inline(never)]
-fn decide(pairs: &[[u32; 2]], answer: &mut impl Answer) {
+fn decide(pairs: &[[u32; 2]], answer: &mut impl PairReceiver) {
     pairs.iter().for_each(|&pair| answer.decide(pair));
 }
 
@@ -163,7 +163,7 @@ mod tests {
     #[derive(Default)]
     struct Heard<const BY_PLACE: bool>(Vec<[u32; 2]>, Vec<[u32; 2]>);
 
-    impl<const BY_PLACE: bool> Answer for Heard<BY_PLACE> {
+    impl<const BY_PLACE: bool> PairReceiver for Heard<BY_PLACE> {
         const BY_PLACE: bool = BY_PLACE;
         fn take(&mut self, pairs: &[[u32; 2]]) {
             self.0.extend(pairs);

@@ -8,11 +8,11 @@ use super::tuner::{Costs, LEAST, Served, Tuner};
 use super::{EveryStep, Step, Tracker};
 use crate::searcher::Searcher;
 use crate::track::Skin;
-use contactbench_ground::contact::{AnyBodies, Bodies, Test, any_bodies};
+use contactbench_ground::contact::{AnyParticles, Particles, Test, any_particles};
 use contactbench_ground::filter::bounds;
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::pairs::pair_list::PairList;
-use contactbench_ground::periodic::Frame;
+use contactbench_ground::periodic::Searchable;
 use contactbench_ground::periodic::{ContactList, List};
 use contactbench_ground::probe::{Op, Probe, Tally};
 use contactbench_ground::scene::{AnyScene, Lattice, Real, Scene};
@@ -52,7 +52,7 @@ impl Verlet {
     /// Finds contacts from a list, or returns `None` if the detector must be called without one.
     fn with_list(
         &mut self,
-        frame: Frame<'_>,
+        frame: Searchable<'_>,
         tally: Option<&mut Tally>,
         contacts: &mut ContactList,
     ) -> Result<Option<Step>, Refusal> {
@@ -61,37 +61,39 @@ impl Verlet {
             Skin::Auto => Thick::By(&mut self.tuner),
         };
         let (lattice, test) = match frame {
-            Frame::Open(_, test) => (None, test),
-            Frame::Boxed(periodic, arithmetic) => (Some(periodic.lattice()), arithmetic.test()),
+            Searchable::Open(_, test) => (None, test),
+            Searchable::Boxed(periodic, arithmetic) => {
+                (Some(periodic.lattice()), arithmetic.test())
+            }
         };
         let (rule, touching, search) = (self.rule, self.touching, &mut self.search.0);
         let work = Work { rule, touching, test, skin, search, lattice, tally };
         let (plane, space) = (&mut self.plane, &mut self.space);
         match (frame, frame.scene()) {
-            (Frame::Open(..), AnyScene::Plane(scene)) => {
+            (Searchable::Open(..), AnyScene::Plane(scene)) => {
                 space.forget();
                 with_stored!(scene, scene => {
-                    work.step(plane, scene, contacts, |kept, bodies, plain, _| {
-                        kept.pass(bodies, plain)
+                    work.step(plane, scene, contacts, |kept, particles, plain, _| {
+                        kept.pass(particles, plain)
                     })
                 })
             }
-            (Frame::Open(..), AnyScene::Space(scene)) => {
+            (Searchable::Open(..), AnyScene::Space(scene)) => {
                 plane.forget();
                 with_stored!(scene, scene => {
-                    work.step(space, scene, contacts, |kept, bodies, plain, _| {
-                        kept.pass(bodies, plain)
+                    work.step(space, scene, contacts, |kept, particles, plain, _| {
+                        kept.pass(particles, plain)
                     })
                 })
             }
-            (Frame::Boxed(..), AnyScene::Plane(scene)) => {
+            (Searchable::Boxed(..), AnyScene::Plane(scene)) => {
                 space.forget();
                 let scene = &scene.widened();
                 work.step(plane, scene, contacts, |kept, _, plain, shifted| {
                     kept.pass_in_box(scene, test, plain, shifted)
                 })
             }
-            (Frame::Boxed(..), AnyScene::Space(scene)) => {
+            (Searchable::Boxed(..), AnyScene::Space(scene)) => {
                 plane.forget();
                 let scene = &scene.widened();
                 work.step(space, scene, contacts, |kept, _, plain, shifted| {
@@ -105,11 +107,11 @@ impl Verlet {
 impl Tracker for Verlet {
     fn find(
         &mut self,
-        frame: Frame<'_>,
+        frame: Searchable<'_>,
         mut tally: Option<&mut Tally>,
         contacts: &mut ContactList,
     ) -> Result<Step, Refusal> {
-        if let Frame::Boxed(_, arithmetic) = frame
+        if let Searchable::Boxed(_, arithmetic) = frame
             && !arithmetic.is_exact()
         {
             return Err(Refusal::Rounded { arithmetic: arithmetic.name() });
@@ -128,8 +130,8 @@ impl Tracker for Verlet {
             self.tuner.direct = self.tuner.direct.saturating_sub(1);
             let frame = match frame {
                 // Lists are safe, so a frame without a list uses safe filters, too.
-                Frame::Open(scene, test) => Frame::Open(scene, test.safe()),
-                boxed @ Frame::Boxed(..) => boxed,
+                Searchable::Open(scene, test) => Searchable::Open(scene, test.safe()),
+                boxed @ Searchable::Boxed(..) => boxed,
             };
             self.search.find(frame, tally, contacts)
         });
@@ -176,16 +178,16 @@ impl Work<'_> {
         kept: &mut Kept<D>,
         scene: &'a Scene<'_, T, D>,
         contacts: &mut ContactList,
-        pass: impl FnOnce(&Kept<D>, AnyBodies<'a, T, D>, &mut PairList<'_>, &mut List) -> u64,
+        pass: impl FnOnce(&Kept<D>, AnyParticles<'a, T, D>, &mut PairList<'_>, &mut List) -> u64,
     ) -> Result<Option<Step>, Refusal>
     where
         for<'b> AnyScene<'b>: From<Scene<'b, f64, D>>,
     {
-        let bodies = any_bodies(scene, self.test)?;
-        let Some(step) = self.ready(kept, scene, &bodies)? else { return Ok(None) };
+        let particles = any_particles(scene, self.test)?;
+        let Some(step) = self.ready(kept, scene, &particles)? else { return Ok(None) };
         let limit = self.search.memory_limit();
         let exact = contacts
-            .gather(limit, scene.len(), |plain, shifted| pass(kept, bodies, plain, shifted))?;
+            .gather(limit, scene.len(), |plain, shifted| pass(kept, particles, plain, shifted))?;
         if let Some(tally) = self.tally {
             tally.add(Op::ContactTest, step.listed);
             tally.add(Op::ExactTest, exact);
@@ -199,12 +201,12 @@ impl Work<'_> {
         &mut self,
         kept: &mut Kept<D>,
         scene: &Scene<'_, T, D>,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
     ) -> Result<Option<Step>, Refusal>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
-        let (largest, slack) = (scene.largest_radius().wide(), bodies.slack());
+        let (largest, slack) = (scene.largest_radius().wide(), particles.slack());
         let rounding = 2.0 * largest * slack.relative + slack.absolute;
         let mut step = Step { built: true, ..Step::default() };
         if let Some((age, displacements)) = kept.follow(scene, self.lattice, self.rule, rounding) {
@@ -224,7 +226,7 @@ impl Work<'_> {
         }
         if step.built {
             let started = Instant::now();
-            let corners = bounds(bodies);
+            let corners = bounds(particles);
             loop {
                 let half = largest
                     * match &self.skin {

@@ -3,13 +3,13 @@
 pub mod answer;
 pub mod claims;
 pub mod compare;
-mod courses;
 pub mod errors;
 mod operations;
 mod overhead;
 pub mod ratios;
 mod scenes;
 pub mod threads;
+mod tracking;
 pub mod trust;
 pub mod winners;
 
@@ -44,7 +44,7 @@ pub const SPEED: &[Make] = &[
 
 /// Sections with the tables of all cells. An experiment with a table of verdicts leaves them out.
 pub const DETAILS: &[Make] = &[
-    courses::sections,
+    tracking::sections,
     |about| Vec::from_iter(operations::section(about)),
     scenes::sections,
     |about| Vec::from_iter(trust::failures::section(about)),

@@ -83,8 +83,8 @@ fn checked<'a>(
     let whole = specs(&experiment, false)?;
     let quick = specs(&experiment, true)?;
     if !is_copy {
-        let mut courses = whole.iter().filter_map(|spec| spec.course);
-        courses.try_for_each(|course| course.motion.kind.made())?;
+        let mut trajectories = whole.iter().filter_map(|spec| spec.trajectory);
+        trajectories.try_for_each(|trajectory| trajectory.motion.kind.made())?;
     }
     let ids = |specs: &[_]| specs.iter().map(|spec| id(&experiment, spec)).collect();
     experiment.planned = Planned {

@@ -7,7 +7,7 @@ use anyhow::{Context, anyhow, bail, ensure};
 
 use contactbench_record::experiment::{Experiment, SceneSweep};
 use contactbench_record::record::id::CellId;
-use contactbench_scenes::spec::{Course, Generator, Order, Spec};
+use contactbench_scenes::spec::{Generator, Order, Spec, Trajectory};
 use contactbench_scenes::{generate, hard};
 
 /// Maximum number of scenes, because a plan keeps all of them in memory.
@@ -136,15 +136,15 @@ fn product(sweep: &SceneSweep) -> anyhow::Result<Vec<Spec>> {
         let order: Order =
             order.parse().map_err(|words| anyhow!("scene {}: {words}", sweep.name))?;
         for mut params in combinations(&axes(sweep, *dim)) {
-            let course = Course::take(&mut params)?;
+            let trajectory = Trajectory::take(&mut params)?;
             ensure!(
-                course.is_none() || sweep.name != generate::hard::NAME,
+                trajectory.is_none() || sweep.name != generate::hard::NAME,
                 "scene {}: hard cases stay where they are; leave out motion",
                 sweep.name
             );
             for &(n, seed) in &numbered {
                 let spec = Spec::new(&sweep.name, *dim, n, seed, order, &params)?;
-                all.push(Spec { course, ..spec });
+                all.push(Spec { trajectory, ..spec });
             }
         }
     }

@@ -72,8 +72,8 @@ fn described(experiment: &Experiment, spec: &Spec, shown: impl Fn(&str, &Value) 
         .iter()
         .filter(|(name, value)| shown(name, value))
         .map(|(name, value)| format!(" {name}={value}"));
-    let course = spec.course.iter().map(|course| format!(" {}", course.motion));
-    let swept: String = swept.chain(course).collect();
+    let trajectory = spec.trajectory.iter().map(|trajectory| format!(" {}", trajectory.motion));
+    let swept: String = swept.chain(trajectory).collect();
     format!("{}: {}{dim}{n}{swept}", experiment.name, spec.name)
 }
 

@@ -21,7 +21,7 @@ pub struct Asked<'a> {
     /// Whether the list names particles by id.
     pub ids: bool,
     /// The frame of the list, if it was chosen.
-    pub pairs_frame: Option<io::Frame>,
+    pub pairs_frame: Option<io::FrameChoice>,
     pub arithmetic: Arithmetic,
     pub allowed: Allowed,
     /// Returns the bytes that a list of contacts may use, for a number of particles.

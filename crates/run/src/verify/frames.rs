@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use anyhow::bail;
 
-use crate::moving::Late;
+use crate::tracking::Late;
 use crate::verify::frame::{Asked, Verified};
 use crate::verify::paired::Matched;
 use crate::verify::{Meaning, Reading, Taken, Verification, WORST};
@@ -18,7 +18,7 @@ use contactbench_terms::number::plural;
 const FOLLOWED: u64 = 128;
 
 /// The result for one frame.
-pub struct Row {
+pub struct FrameResult {
     pub frame: u64,
     pub step: Option<i64>,
     pub particles: usize,
@@ -32,7 +32,7 @@ pub struct Row {
     pub within_skin: u64,
 }
 
-impl Row {
+impl FrameResult {
     pub fn wrong(&self) -> u64 {
         self.errors.wrong() + (self.unknown + self.one_sided) as u64
     }
@@ -47,7 +47,7 @@ impl Row {
 pub struct All {
     /// Whether contacts are followed from frame to frame. If not, there is one frame.
     pub several: bool,
-    pub rows: Vec<Row>,
+    pub rows: Vec<FrameResult>,
     /// The frame compared last.
     pub last: Option<Verified>,
     /// Late contacts, named by ids or else by the numbers in file order.
@@ -120,7 +120,7 @@ impl All {
                 self.others.push(other.name.clone());
             }
         }
-        self.rows.push(Row {
+        self.rows.push(FrameResult {
             frame: about.frame,
             step: about.step,
             particles: verified.scene().len(),
@@ -162,7 +162,7 @@ impl All {
     }
 
     pub fn is_same(&self) -> bool {
-        self.rows.iter().all(Row::is_same)
+        self.rows.iter().all(FrameResult::is_same)
     }
 
     pub fn errors(&self) -> Errors {
@@ -172,7 +172,7 @@ impl All {
     }
 
     /// Returns the first wrong frame and the worst frame; `None` if all are right.
-    pub fn worst(&self) -> Option<[&Row; 2]> {
+    pub fn worst(&self) -> Option<[&FrameResult; 2]> {
         let first = self.rows.iter().find(|row| !row.is_same())?;
         let worst = self.rows.iter().reduce(|a, b| if b.wrong() > a.wrong() { b } else { a })?;
         Some([first, worst])
@@ -180,8 +180,8 @@ impl All {
 
     /// Returns at most `most` frames: all, else all wrong ones, else the first wrong one and the
     /// worst.
-    pub fn shown(&self, most: usize) -> Vec<&Row> {
-        let mut rows: Vec<&Row> = self.rows.iter().collect();
+    pub fn shown(&self, most: usize) -> Vec<&FrameResult> {
+        let mut rows: Vec<&FrameResult> = self.rows.iter().collect();
         if rows.len() <= most {
             return rows;
         }

@@ -172,7 +172,7 @@ impl<'a, 'b> Paired<'a, 'b> {
 mod tests {
     use super::*;
     use contactbench_io::pairs::{self, lists_from};
-    use contactbench_io::{Frame, Options, frames_from};
+    use contactbench_io::{FrameChoice, Options, frames_from};
 
     fn dump(steps: &[i64]) -> String {
         let frame = |step| {
@@ -204,7 +204,7 @@ mod tests {
         Ok((told, paired.matched.left_out, paired.matched.without_rows))
     }
 
-    const ALL: Frame = Frame::All;
+    const ALL: FrameChoice = FrameChoice::All;
 
     fn options() -> Options {
         Options { frame: ALL, radius: Some(1.0), ..Options::default() }

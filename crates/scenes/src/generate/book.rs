@@ -19,7 +19,7 @@
 //! (j·s)·D. Coordinates are exact if s and D are dyadic and no product needs more than 53 bits.
 //! Then neighbours are exactly D apart, the largest distance at which discs are in contact.
 
-use crate::generate::table::{Generator, Kind, Make, Parameter, parameter};
+use crate::generate::table::{Generator, Make, Parameter, ParameterKind, parameter};
 use crate::generate::{DIAMETER, Inputs, assemble};
 use contactbench_io::Given;
 
@@ -52,8 +52,10 @@ pub const PACK_D: Generator = of_book(
     },
 );
 
-const SPACED: &[&[Parameter]] =
-    &[&[DIAMETER, parameter("s", Kind::NOT_NEGATIVE, "1", "S/D, the spacing in diameters")]];
+const SPACED: &[&[Parameter]] = &[&[
+    DIAMETER,
+    parameter("s", ParameterKind::NOT_NEGATIVE, "1", "S/D, the spacing in diameters"),
+]];
 
 const fn of_book(
     name: &'static str,

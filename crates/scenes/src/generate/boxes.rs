@@ -13,7 +13,7 @@ use anyhow::ensure;
 
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
-use crate::generate::table::{Kind, Parameter, optional};
+use crate::generate::table::{Parameter, ParameterKind, optional};
 use crate::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge};
 use contactbench_ground::scene::{AnyScene, Lattice, Scene};
 use contactbench_io::Given;
@@ -21,12 +21,15 @@ use contactbench_io::boxes::Axes;
 
 pub const PERIODIC: Parameter = optional(
     "periodic",
-    Kind::Axes,
+    ParameterKind::Axes,
     "makes the box periodic: true, or the axes, such as x or xy, or none",
 );
 
-pub const TILT: Parameter =
-    optional("tilt", Kind::FINITE, "shift of the images along y, in edges of the box along x");
+pub const TILT: Parameter = optional(
+    "tilt",
+    ParameterKind::FINITE,
+    "shift of the images along y, in edges of the box along x",
+);
 
 #[derive(Clone, Copy, Debug)]
 pub struct Repeats {

@@ -20,8 +20,8 @@
 
 use crate::generate::boxes::filled;
 use crate::generate::loose::uniform;
-use crate::generate::table::{Generator, Kind, Parameter, parameter};
-use crate::generate::{Inputs, OF_BODIES, fraction};
+use crate::generate::table::{Generator, Parameter, ParameterKind, parameter};
+use crate::generate::{Inputs, OF_PARTICLES, fraction};
 use contactbench_ground::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
@@ -29,23 +29,23 @@ pub const GENERATOR: Generator = Generator {
     name: "clustered",
     summary: "Gaussian clusters on a thin uniform background",
     params: &[
-        OF_BODIES,
+        OF_PARTICLES,
         &[
             parameter(
                 "per-cluster",
-                Kind::COUNT,
+                ParameterKind::COUNT,
                 "100",
                 "particles in a cluster; the last cluster may be smaller",
             ),
             Parameter {
                 name: "width",
-                kind: Kind::NOT_NEGATIVE,
+                kind: ParameterKind::NOT_NEGATIVE,
                 default: ["4", "2"],
                 meaning: "standard deviation of a cluster along each axis, in diameters",
             },
             parameter(
                 "background",
-                Kind::SHARE,
+                ParameterKind::SHARE,
                 "0.1",
                 "share of the particles that is uniform in the box",
             ),

@@ -19,7 +19,7 @@
 use anyhow::ensure;
 
 use crate::generate::draw::Draw;
-use crate::generate::table::{Generator, Kind, parameter};
+use crate::generate::table::{Generator, ParameterKind, parameter};
 use crate::generate::{DIAMETER, Inputs, room};
 use contactbench_ground::contact::exact;
 use contactbench_ground::scene::Scene;
@@ -31,7 +31,7 @@ pub const GENERATOR: Generator = Generator {
         DIAMETER,
         parameter(
             "offset",
-            Kind::FINITE,
+            ParameterKind::FINITE,
             "0",
             "lowest x, in diameters, from -10^12 to 10^12; rounded to f64",
         ),

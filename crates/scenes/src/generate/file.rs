@@ -15,25 +15,25 @@ use std::path::Path;
 use anyhow::ensure;
 use serde_json::Value;
 
-use crate::generate::table::{Generator, Kind, Parameter, REQUIRED, optional, parameter};
+use crate::generate::table::{Generator, Parameter, ParameterKind, REQUIRED, optional, parameter};
 use contactbench_io as io;
 
 pub const NAME: &str = "file";
 
-const fn option(place: usize, name: &'static str, kind: Kind) -> Parameter {
+const fn option(place: usize, name: &'static str, kind: ParameterKind) -> Parameter {
     optional(name, kind, io::OPTIONS[place].meaning)
 }
 
 const PARAMS: [Parameter; 9] = [
-    parameter("path", Kind::Text, REQUIRED, "the file's name"),
-    option(0, "radius", Kind::NOT_NEGATIVE),
-    option(1, "file-dim", Kind::DIM),
-    option(2, "frame", Kind::Text),
-    option(3, "columns", Kind::Text),
-    option(4, "format", Kind::Text),
-    option(5, "box", Kind::Text),
-    option(6, "periodic", Kind::Axes),
-    option(7, "open", Kind::Yes),
+    parameter("path", ParameterKind::Text, REQUIRED, "the file's name"),
+    option(0, "radius", ParameterKind::NOT_NEGATIVE),
+    option(1, "file-dim", ParameterKind::DIM),
+    option(2, "frame", ParameterKind::Text),
+    option(3, "columns", ParameterKind::Text),
+    option(4, "format", ParameterKind::Text),
+    option(5, "box", ParameterKind::Text),
+    option(6, "periodic", ParameterKind::Axes),
+    option(7, "open", ParameterKind::Yes),
 ];
 
 pub const GENERATOR: Generator = Generator {

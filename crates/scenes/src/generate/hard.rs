@@ -11,7 +11,7 @@
 use anyhow::ensure;
 
 use crate::generate::Inputs;
-use crate::generate::table::{Generator, Kind, REQUIRED, parameter};
+use crate::generate::table::{Generator, ParameterKind, REQUIRED, parameter};
 use crate::hard;
 use contactbench_io::Given;
 
@@ -21,7 +21,7 @@ pub const GENERATOR: Generator = Generator {
     name: NAME,
     summary: "a named case on which detectors go wrong; contactbench list hard-cases",
     own_n: true,
-    params: &[&[parameter("case", Kind::Case, REQUIRED, "the name of the case")]],
+    params: &[&[parameter("case", ParameterKind::Case, REQUIRED, "the name of the case")]],
     make: |inputs| {
         let Some(given) = steps(inputs)?.pop() else {
             anyhow::bail!("the hard case '{}' has no steps", inputs.text("case")?)

@@ -16,12 +16,12 @@
 use crate::generate::boxes::filled;
 use crate::generate::draw::Draw;
 use crate::generate::table::Generator;
-use crate::generate::{OF_BODIES, fraction};
+use crate::generate::{OF_PARTICLES, fraction};
 
 pub const GENERATOR: Generator = Generator {
     name: "loose",
     summary: "uniform random in a square or cube",
-    params: &[OF_BODIES, &[fraction("0.05")]],
+    params: &[OF_PARTICLES, &[fraction("0.05")]],
     make: |inputs| match inputs.dim {
         2 => filled::<2>(inputs, |draw, edge, _| uniform(draw, edge)),
         _ => filled::<3>(inputs, |draw, edge, _| uniform(draw, edge)),

@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 
 use anyhow::Context;
 use nalgebra::Point;
-use table::{Kind, Parameter, parameter};
+use table::{Parameter, ParameterKind, parameter};
 
 use contactbench_ground::scene::{Radii, Scene};
 
@@ -55,21 +55,21 @@ impl Inputs<'_> {
 }
 
 const DIAMETER: Parameter =
-    parameter("diameter", Kind::POSITIVE, "1", "largest diameter, in units of length");
+    parameter("diameter", ParameterKind::POSITIVE, "1", "largest diameter, in units of length");
 
 const OFFSET: Parameter = parameter(
     "offset",
-    Kind::FINITE,
+    ParameterKind::FINITE,
     "0",
     "added to every coordinate, in largest diameters; the sums are rounded to f64",
 );
 
 const fn fraction(default: &'static str) -> Parameter {
     let meaning = "volume of the particles over the volume of the box";
-    parameter("fraction", Kind::POSITIVE, default, meaning)
+    parameter("fraction", ParameterKind::POSITIVE, default, meaning)
 }
 
-const OF_BODIES: &[Parameter] = &[
+const OF_PARTICLES: &[Parameter] = &[
     DIAMETER,
     OFFSET,
     sizes::SIZE_RATIO,

@@ -23,8 +23,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use crate::generate::boxes::{PERIODIC, boxed};
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
-use crate::generate::table::{Generator, Kind, Parameter, parameter};
-use crate::generate::{Inputs, OF_BODIES, assemble};
+use crate::generate::table::{Generator, Parameter, ParameterKind, parameter};
+use crate::generate::{Inputs, OF_PARTICLES, assemble};
 use contactbench_ground::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
@@ -32,18 +32,23 @@ pub const GENERATOR: Generator = Generator {
     name: "packed",
     summary: "jittered lattice that overlaps and touches like a dense granular pack",
     params: &[
-        OF_BODIES,
+        OF_PARTICLES,
         &[
             Parameter {
                 name: "lattice",
-                kind: Kind::Word([&["hexagonal", "square"], &["fcc", "cubic"]]),
+                kind: ParameterKind::Word([&["hexagonal", "square"], &["fcc", "cubic"]]),
                 default: ["hexagonal", "fcc"],
                 meaning: "arrangement of the sites",
             },
-            parameter("spacing", Kind::POSITIVE, "0.99", "distance of nearest sites, in diameters"),
+            parameter(
+                "spacing",
+                ParameterKind::POSITIVE,
+                "0.99",
+                "distance of nearest sites, in diameters",
+            ),
             parameter(
                 "jitter",
-                Kind::NOT_NEGATIVE,
+                ParameterKind::NOT_NEGATIVE,
                 "0.05",
                 "each coordinate moves uniformly within ± this, in diameters",
             ),

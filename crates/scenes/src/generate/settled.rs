@@ -25,8 +25,8 @@ use anyhow::ensure;
 use crate::generate::boxes::{Repeats, boxed};
 use crate::generate::draw::Draw;
 use crate::generate::sizes::unit_radii;
-use crate::generate::table::{Generator, Kind, parameter};
-use crate::generate::{Inputs, OF_BODIES, assemble, box_edge, fraction, room};
+use crate::generate::table::{Generator, ParameterKind, parameter};
+use crate::generate::{Inputs, OF_PARTICLES, assemble, box_edge, fraction, room};
 use contactbench_ground::scene::{AnyScene, Scene};
 use contactbench_io::Given;
 
@@ -34,12 +34,12 @@ pub const GENERATOR: Generator = Generator {
     name: "settled",
     summary: "random places with limited overlap, the largest particles first",
     params: &[
-        OF_BODIES,
+        OF_PARTICLES,
         &[
             fraction("0.3"),
             parameter(
                 "overlap",
-                Kind::SHARE,
+                ParameterKind::SHARE,
                 "0.05",
                 "largest overlap of two particles, over the sum of their radii",
             ),
@@ -143,11 +143,11 @@ struct Layer {
 }
 
 impl<const D: usize> Placed<D> {
-    /// Begins a layer whose grid has cells for about `bodies` particles.
-    fn begin(&mut self, largest: f64, bodies: usize) -> anyhow::Result<()> {
+    /// Begins a layer whose grid has cells for about `particles` particles.
+    fn begin(&mut self, largest: f64, particles: usize) -> anyhow::Result<()> {
         // Cells are a little wider than two radii, so that rounding does not matter.
         let fine = self.edge / (2.000_002 * largest);
-        let most = CELLS * bodies.max(1) as f64;
+        let most = CELLS * particles.max(1) as f64;
         let coarse = if D == 2 { most.sqrt() } else { libm::cbrt(most) };
         let count = fine.min(coarse).max(1.0) as usize;
         let cells = count.pow(D as u32);

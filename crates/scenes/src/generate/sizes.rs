@@ -24,12 +24,12 @@ use rand::seq::SliceRandom;
 
 use crate::generate::draw::{Draw, sizes};
 use crate::generate::grading::Curve;
-use crate::generate::table::{Kind, Parameter, optional, parameter};
+use crate::generate::table::{Parameter, ParameterKind, optional, parameter};
 use crate::generate::{Inputs, room};
 
 pub const SIZE_RATIO: Parameter = parameter(
     "size-ratio",
-    Kind::AT_LEAST_ONE,
+    ParameterKind::AT_LEAST_ONE,
     "1",
     "largest over smallest radius; radii are uniform unless `sizes` is given; 1 = one radius \
               for all",
@@ -37,32 +37,32 @@ pub const SIZE_RATIO: Parameter = parameter(
 
 pub const SIZES: Parameter = optional(
     "sizes",
-    Kind::Word([&["power", "binary", "lognormal", "giants", "grading"]; 2]),
+    ParameterKind::Word([&["power", "binary", "lognormal", "giants", "grading"]; 2]),
     "distribution of radii: power, binary, lognormal, giants or grading; uniform by \
               default",
 );
 
 pub const EXPONENT: Parameter = optional(
     "exponent",
-    Kind::FINITE,
+    ParameterKind::FINITE,
     "for sizes=power: the number of radii has the density r^exponent",
 );
 
 pub const SHARE: Parameter = optional(
     "share",
-    Kind::SHARE,
+    ParameterKind::SHARE,
     "for sizes=binary: volume of the small particles over that of all",
 );
 
 pub const GIANTS: Parameter = optional(
     "giants",
-    Kind::COUNT,
+    ParameterKind::COUNT,
     "for sizes=giants: number of particles with the largest radius",
 );
 
 pub const GRADING: Parameter = optional(
     "grading",
-    Kind::Text,
+    ParameterKind::Text,
     "for sizes=grading: a file with sieve size and percent passing by volume in each \
               line, or these points",
 );

@@ -42,21 +42,21 @@ pub struct Generator {
 
 pub const fn parameter(
     name: &'static str,
-    kind: Kind,
+    kind: ParameterKind,
     default: &'static str,
     meaning: &'static str,
 ) -> Parameter {
     Parameter { name, kind, default: [default; 2], meaning }
 }
 
-pub const fn optional(name: &'static str, kind: Kind, meaning: &'static str) -> Parameter {
+pub const fn optional(name: &'static str, kind: ParameterKind, meaning: &'static str) -> Parameter {
     parameter(name, kind, NONE, meaning)
 }
 
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     pub name: &'static str,
-    pub kind: Kind,
+    pub kind: ParameterKind,
     /// Default value in 2D and in 3D.
     pub default: [&'static str; 2],
     /// Meaning and unit of the parameter, for lists and help.
@@ -64,7 +64,7 @@ pub struct Parameter {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub enum Kind {
+pub enum ParameterKind {
     /// A finite number that passes a test, which the text describes.
     Number(&'static str, fn(f64) -> bool),
     /// A whole number that passes a test, which the text describes.
@@ -90,8 +90,8 @@ impl Parameter {
         let text = self.default[usize::from(dim == 3)];
         match (text, &self.kind) {
             (NONE | REQUIRED, _) => None,
-            (_, Kind::Number(..)) => text.parse::<f64>().ok().map(Value::from),
-            (_, Kind::Whole(..)) => text.parse::<u64>().ok().map(Value::from),
+            (_, ParameterKind::Number(..)) => text.parse::<f64>().ok().map(Value::from),
+            (_, ParameterKind::Whole(..)) => text.parse::<u64>().ok().map(Value::from),
             _ => Some(text.into()),
         }
     }
@@ -124,7 +124,8 @@ impl Generator {
 
     /// Returns whether this parameter takes text, which may look like a number.
     pub fn is_text(&self, name: &str) -> bool {
-        let of_text = |kind: Kind| matches!(kind, Kind::Text | Kind::Case);
+        let of_text =
+            |kind: ParameterKind| matches!(kind, ParameterKind::Text | ParameterKind::Case);
         self.params().any(|parameter| parameter.name == name && of_text(parameter.kind))
     }
 
@@ -187,28 +188,33 @@ impl Generator {
     }
 }
 
-impl Kind {
-    pub const POSITIVE: Kind = Kind::Number("a finite number over 0", |x| x > 0.0);
-    pub const FINITE: Kind = Kind::Number("a finite number", |_| true);
-    pub const NOT_NEGATIVE: Kind = Kind::Number("a finite number of at least 0", |x| x >= 0.0);
-    pub const AT_LEAST_ONE: Kind = Kind::Number("a finite number of at least 1", |x| x >= 1.0);
-    pub const SHARE: Kind = Kind::Number("a number from 0 to 1", |x| (0.0..=1.0).contains(&x));
-    pub const COUNT: Kind = Kind::Whole("a whole number of at least 1", |k| k >= 1);
-    pub const DIM: Kind = Kind::Whole("2 or 3", |k| k == 2 || k == 3);
+impl ParameterKind {
+    pub const POSITIVE: ParameterKind =
+        ParameterKind::Number("a finite number over 0", |x| x > 0.0);
+    pub const FINITE: ParameterKind = ParameterKind::Number("a finite number", |_| true);
+    pub const NOT_NEGATIVE: ParameterKind =
+        ParameterKind::Number("a finite number of at least 0", |x| x >= 0.0);
+    pub const AT_LEAST_ONE: ParameterKind =
+        ParameterKind::Number("a finite number of at least 1", |x| x >= 1.0);
+    pub const SHARE: ParameterKind =
+        ParameterKind::Number("a number from 0 to 1", |x| (0.0..=1.0).contains(&x));
+    pub const COUNT: ParameterKind =
+        ParameterKind::Whole("a whole number of at least 1", |k| k >= 1);
+    pub const DIM: ParameterKind = ParameterKind::Whole("2 or 3", |k| k == 2 || k == 3);
 
     pub fn accepts(&self, dim: u32) -> String {
         match self {
-            Kind::Number(must, _) | Kind::Whole(must, _) => (*must).into(),
-            Kind::Yes => "true or false".into(),
-            Kind::Axes => {
+            ParameterKind::Number(must, _) | ParameterKind::Whole(must, _) => (*must).into(),
+            ParameterKind::Yes => "true or false".into(),
+            ParameterKind::Axes => {
                 let all = if dim == 2 { "x, y, xy" } else { "x, y, z, xy, xz, yz, xyz" };
                 format!("true, none, or the periodic axes of the box: {all}")
             }
-            Kind::Word(words) => {
+            ParameterKind::Word(words) => {
                 format!("{} in {dim} dimensions", words[usize::from(dim == 3)].join(" or "))
             }
-            Kind::Text => "a text that is not empty".into(),
-            Kind::Case => format!(
+            ParameterKind::Text => "a text that is not empty".into(),
+            ParameterKind::Case => format!(
                 "the name of a hard case in {dim} dimensions: see contactbench list hard-cases"
             ),
         }
@@ -221,22 +227,22 @@ impl Kind {
         let text =
             |good: &dyn Fn(&str) -> bool| value.as_str().filter(|text| good(text)).map(Value::from);
         let good = match self {
-            Kind::Number(_, good) => {
+            ParameterKind::Number(_, good) => {
                 value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from)
             }
             // 1e3 is accepted as a whole number.
-            Kind::Whole(_, good) => {
+            ParameterKind::Whole(_, good) => {
                 let real = || {
                     value.as_f64().and_then(|x| contactbench_terms::number::whole(&x.to_string()))
                 };
                 value.as_u64().or_else(real).filter(|&k| good(k)).map(Value::from)
             }
             // Records store parameters other than numbers as words.
-            Kind::Yes => match value.as_bool() {
+            ParameterKind::Yes => match value.as_bool() {
                 Some(yes) => Some(yes.to_string().into()),
                 None => text(&|text| ["true", "false"].contains(&text)),
             },
-            Kind::Axes => {
+            ParameterKind::Axes => {
                 let text = match value.as_bool() {
                     Some(yes) => yes.to_string(),
                     None => value.as_str().unwrap_or_default().into(),
@@ -248,9 +254,11 @@ impl Kind {
                 let fits = |axes: &Axes| dim == 3 || !axes.of(2)[2];
                 axes.filter(fits).map(|axes| axes.to_string().into())
             }
-            Kind::Word(words) => text(&|word| words[usize::from(dim == 3)].contains(&word)),
-            Kind::Text => text(&|text| !text.is_empty()),
-            Kind::Case => match scene::hard::find(value.as_str().unwrap_or_default()) {
+            ParameterKind::Word(words) => {
+                text(&|word| words[usize::from(dim == 3)].contains(&word))
+            }
+            ParameterKind::Text => text(&|text| !text.is_empty()),
+            ParameterKind::Case => match scene::hard::find(value.as_str().unwrap_or_default()) {
                 Ok(case) if case.dims.contains(&dim) => Some(case.name.into()),
                 Ok(_) => None,
                 Err(error) => return Err(format!("the name of a hard case: {error}")),

@@ -67,8 +67,8 @@ pub const MAKERS: &[Maker] = &[
         in_box(uniform(dim, places, 0.5), edges([64.0, 0.25, 9.0]), [false, true, false])
     }),
     ("a-giant-larger-than-its-box", |dim| {
-        let bodies = [([0.5; 3], 2.0), ([0.25, 0.75, 0.5], 0.25), ([0.0; 3], 0.0)];
-        in_box(each(dim, bodies), cube(1.0), ALL)
+        let particles = [([0.5; 3], 2.0), ([0.25, 0.75, 0.5], 0.25), ([0.0; 3], 0.0)];
+        in_box(each(dim, particles), cube(1.0), ALL)
     }),
     ("a-tilt-of-a-whole-edge", |dim| sheared(dim, 1.0, 0.0)),
     ("a-tilt-of-half-an-edge", |dim| sheared(dim, 0.5, 4.0)),

@@ -10,7 +10,7 @@ pub type Steps = anyhow::Result<Vec<Given>>;
 pub type Place = [f64; 3];
 
 /// Centre and radius of a particle.
-pub type Body = (Place, f64);
+pub type Particle = (Place, f64);
 
 /// Returns one step, with particles of equal radius.
 pub fn uniform(dim: u32, places: impl IntoIterator<Item = Place>, r: f64) -> Steps {
@@ -18,8 +18,8 @@ pub fn uniform(dim: u32, places: impl IntoIterator<Item = Place>, r: f64) -> Ste
 }
 
 /// Returns one step, with particles that each have their own radius.
-pub fn each(dim: u32, bodies: impl IntoIterator<Item = Body>) -> Steps {
-    let (places, radii): (Vec<Place>, Vec<f64>) = bodies.into_iter().unzip();
+pub fn each(dim: u32, particles: impl IntoIterator<Item = Particle>) -> Steps {
+    let (places, radii): (Vec<Place>, Vec<f64>) = particles.into_iter().unzip();
     Ok(vec![scene(dim, places, radii)?])
 }
 
@@ -68,7 +68,7 @@ pub fn drawn(seed: u64, n: u32, mut place: impl FnMut(&mut Draw) -> Place) -> Ve
     (0..n).map(|_| place(&mut draw)).collect()
 }
 
-pub fn of_size(places: impl IntoIterator<Item = Place>, r: f64) -> impl Iterator<Item = Body> {
+pub fn of_size(places: impl IntoIterator<Item = Place>, r: f64) -> impl Iterator<Item = Particle> {
     places.into_iter().map(move |place| (place, r))
 }
 

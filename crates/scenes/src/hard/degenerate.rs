@@ -39,10 +39,10 @@ pub const MAKERS: &[Maker] = &[
 ];
 
 /// Returns five particles; `spoil` changes particle 3.
-fn spoilt(dim: u32, spoil: impl Fn(&mut Body)) -> Steps {
-    let mut bodies: Vec<Body> = of_size(places(5, |k| [k; 3]), 1.0).collect();
-    spoil(&mut bodies[3]);
-    each(dim, bodies)
+fn spoilt(dim: u32, spoil: impl Fn(&mut Particle)) -> Steps {
+    let mut particles: Vec<Particle> = of_size(places(5, |k| [k; 3]), 1.0).collect();
+    spoil(&mut particles[3]);
+    each(dim, particles)
 }
 
 /// Returns 400 particles at 1/3 on one axis: a touching row in 2D, a touching square in 3D.

@@ -89,13 +89,13 @@ pub const MAKERS: &[Maker] = &[
     }),
 ];
 
-fn beside(dim: u32, bodies: impl Iterator<Item = Body>, last: Body) -> Steps {
-    each(dim, bodies.chain([last]))
+fn beside(dim: u32, particles: impl Iterator<Item = Particle>, last: Particle) -> Steps {
+    each(dim, particles.chain([last]))
 }
 
 /// Returns 13 pairs for the borders 2^-k, k = 0 to 12. The particles of a pair are (1 + 2^-k)·scale
 /// apart; their radii are `scale` and `radius(2^-k)`·scale.
-fn pairs(scale: f64, radius: impl Fn(f64) -> f64) -> impl Iterator<Item = Body> {
+fn pairs(scale: f64, radius: impl Fn(f64) -> f64) -> impl Iterator<Item = Particle> {
     (0..13).flat_map(move |k| {
         let (border, y) = (two_to(-k), 8.0 * f64::from(k) * scale);
         [([0.0, y, 0.0], scale), ([(1.0 + border) * scale, y, 0.0], radius(border) * scale)]
@@ -103,7 +103,7 @@ fn pairs(scale: f64, radius: impl Fn(f64) -> f64) -> impl Iterator<Item = Body> 
 }
 
 /// Returns particles along x, each exactly in touch with its predecessor.
-fn chain(count: u32, radius: impl Fn(u32) -> f64) -> impl Iterator<Item = Body> {
+fn chain(count: u32, radius: impl Fn(u32) -> f64) -> impl Iterator<Item = Particle> {
     let mut x = 0.0;
     (0..count).map(move |k| {
         if k > 0 {

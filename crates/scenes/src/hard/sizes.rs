@@ -48,6 +48,6 @@ pub const MAKERS: &[Maker] = &[
 ];
 
 /// Returns 400 (2D) or 343 (3D) particles of radius 2^-14 near the origin; none touch.
-fn dust(dim: u32) -> impl Iterator<Item = Body> {
+fn dust(dim: u32) -> impl Iterator<Item = Particle> {
     of_size(lattice(dim, [20, 7], |k| by_dim(dim, [0.03125, 0.0625]) * k - 0.2), two_to(-14))
 }

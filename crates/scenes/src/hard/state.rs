@@ -52,8 +52,8 @@ pub const MAKERS: &[Maker] = &[
     ("radius-changes", |dim| history([0.5, 0.25, 1.0].map(|r| grid(dim, [12, 6], r, |k| k)))),
     ("one-radius-then-each", |dim| {
         let places = lattice(dim, [12, 6], |k| k).into_iter().enumerate();
-        let bodies = places.map(|(k, place)| (place, 0.25 + 0.125 * (k % 7) as f64));
-        history([block(dim, 12, 6), each(dim, bodies), block(dim, 12, 6)])
+        let particles = places.map(|(k, place)| (place, 0.25 + 0.125 * (k % 7) as f64));
+        history([block(dim, 12, 6), each(dim, particles), block(dim, 12, 6)])
     }),
     ("after-a-refusal", |dim| {
         history([uniform(dim, places(100, |k| [1e14 * k; 3]), 0.5), block(dim, 12, 6)])

@@ -91,7 +91,7 @@ struct Pair {
 }
 
 fn together(dim: u32, gap: f64, pairs: impl IntoIterator<Item = Pair>) -> Steps {
-    let bodies = pairs.into_iter().enumerate().flat_map(|(k, Pair { v, outward, radii })| {
+    let particles = pairs.into_iter().enumerate().flat_map(|(k, Pair { v, outward, radii })| {
         let first = site(k, gap);
         let mut second = plus(first, 1.0, v);
         if let Some(axis) = v.iter().position(|&x| x != 0.0) {
@@ -102,7 +102,7 @@ fn together(dim: u32, gap: f64, pairs: impl IntoIterator<Item = Pair>) -> Steps 
         }
         [(first, radii[0]), (second, radii[1])]
     });
-    each(dim, bodies)
+    each(dim, particles)
 }
 
 /// Returns pairs in all directions of the triple `v`, each in all `forms` (units outward, radii).

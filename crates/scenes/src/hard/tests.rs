@@ -10,7 +10,7 @@ use contactbench_detectors::oracle;
 use contactbench_detectors::oracle::NoTruth;
 use contactbench_detectors::oracle::boxes;
 use contactbench_detectors::table::{Entry, Role, TABLE};
-use contactbench_ground::contact::{Arithmetic, Bodies, WithBodies, with_bodies};
+use contactbench_ground::contact::{Arithmetic, Particles, WithParticles, with_particles};
 use contactbench_ground::detect::Options;
 use contactbench_ground::filter::cells::Cells;
 use contactbench_ground::limits::refusal::Refusal;
@@ -198,12 +198,12 @@ fn a_spec_gives_last_step_and_history() {
 /// Counts contacts by the cell of the second particle minus that of the first, in input order.
 struct ByOffset<const D: usize>(Vec<[u32; 2]>);
 
-impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {
+impl<T: Real, const D: usize> WithParticles<T, D> for ByOffset<D> {
     type Output = Result<HashMap<[i64; D], usize>, Refusal>;
-    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
-        let cells = Cells::new(&bodies)?;
+    fn call<B: Particles<T, D>>(self, particles: B) -> Self::Output {
+        let cells = Cells::new(&particles)?;
         let cell = |i: u32| {
-            let position = bodies.position(i);
+            let position = particles.position(i);
             std::array::from_fn::<i64, D, _>(|k| {
                 i64::from(cells.index(position[k], k, &mut Silent))
             })
@@ -227,7 +227,7 @@ fn every_cell_of_the_mask_is_needed() {
             let scene = case.steps($dim).unwrap().remove(0).scene;
             let AnyScene::$space(Stored::F64(stored)) = &scene else { panic!("cases are in f64") };
             let by_offset = ByOffset::<$dim>(pairs(&scene));
-            let found = with_bodies(stored, Arithmetic::Exact.test(), by_offset).unwrap();
+            let found = with_particles(stored, Arithmetic::Exact.test(), by_offset).unwrap();
             let both = |v: &[i32; $dim]| [v.map(i64::from), v.map(|x| -i64::from(x))];
             assert!($mask.iter().flat_map(both).all(|v| found[&v] == 1) && found.len() == $cells);
         };

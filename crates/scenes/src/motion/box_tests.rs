@@ -11,8 +11,14 @@ pub(super) const BOXES: [&str; 6] = [
     "loose:dim=3,n=60,fraction=0.3,periodic=y,tilt=0.3",
 ];
 
-pub(super) fn goes() -> [Kind; 5] {
-    [Kind::Rest, Kind::Drift, Kind::Shear, Kind::Jitter, Kind::Brownian]
+pub(super) fn goes() -> [MotionKind; 5] {
+    [
+        MotionKind::Rest,
+        MotionKind::Drift,
+        MotionKind::Shear,
+        MotionKind::Jitter,
+        MotionKind::Brownian,
+    ]
 }
 
 fn lattice(given: &Given) -> Lattice {
@@ -33,7 +39,7 @@ fn particles_stay_in_the_box_and_between_walls() {
         let scene = scene(text);
         let repeats = lattice(&scene).periodic();
         let dim = scene.scene.dim();
-        for kind in goes().into_iter().filter(|&kind| kind != Kind::Rest) {
+        for kind in goes().into_iter().filter(|&kind| kind != MotionKind::Rest) {
             let mut frames = Frames::new(&scene, motion(kind, 0.4)).unwrap();
             let mut spread = [false; 3];
             for k in [1, 10, 301] {
@@ -46,7 +52,7 @@ fn particles_stay_in_the_box_and_between_walls() {
                     let most = fractions.iter().fold(0.0, |most: f64, x| most.max(*x));
                     spread[v] |= most > 0.9;
                 }
-                let walls = matches!(kind, Kind::Drift | Kind::Brownian);
+                let walls = matches!(kind, MotionKind::Drift | MotionKind::Brownian);
                 // Without a tilt, the periodic vectors lie along axes.
                 for axis in
                     (0..dim).filter(|&axis| walls && !repeats[axis] && !text.contains("tilt"))
@@ -71,7 +77,7 @@ fn a_shear_deforms_the_box() {
     let [[x, ..], [xy, y, _], z] = *lattice(&still).vectors();
     let corner = lattice(&still).origin()[1];
     assert!(corner != 0.0);
-    let mut frames = Frames::new(&still, motion(Kind::Shear, 0.05)).unwrap();
+    let mut frames = Frames::new(&still, motion(MotionKind::Shear, 0.05)).unwrap();
     let (mut flips, mut before) = (0, xy);
     for k in 1..200u32 {
         let frame = frames.at(k.into()).unwrap();
@@ -96,14 +102,14 @@ fn a_shear_deforms_the_box() {
     assert!(flips >= 2, "{flips}");
     // If the box is open along y, layers slide and the box does not change.
     let layers = scene("loose:dim=2,n=60,fraction=0.4,periodic=x");
-    let slid = Frames::new(&layers, motion(Kind::Shear, 0.3)).unwrap().at(50).unwrap();
+    let slid = Frames::new(&layers, motion(MotionKind::Shear, 0.3)).unwrap().at(50).unwrap();
     assert_eq!(slid.lattice, layers.lattice);
     assert!(coordinates(&slid) != coordinates(&layers));
 }
 
 #[test]
 fn unsupported_motions_in_boxes_are_refused() {
-    for kind in Kind::ALL {
+    for kind in MotionKind::ALL {
         let made = Frames::new(&scene(BOXES[0]), motion(kind, 0.1));
         assert_eq!(made.is_ok(), goes().contains(&kind), "{kind:?}");
         if let Err(error) = made {
@@ -115,9 +121,9 @@ fn unsupported_motions_in_boxes_are_refused() {
     let turned = [[0.0, 9.0, 0.0], [-9.0, 0.0, 0.0], [0.0; 3]];
     let turned = Lattice::new(turned, [true, true, false], [0.0; 3]).unwrap();
     let turned = Given::in_box(scene("loose:n=9").scene, turned).unwrap();
-    let said = Frames::new(&turned, motion(Kind::Shear, 0.1)).err().unwrap().to_string();
+    let said = Frames::new(&turned, motion(MotionKind::Shear, 0.1)).err().unwrap().to_string();
     assert!(said.contains("is not along x but has y = 9 and z = 0; turn the box"), "{said}");
-    let mut drift = Frames::new(&turned, motion(Kind::Drift, 0.1)).unwrap();
+    let mut drift = Frames::new(&turned, motion(MotionKind::Drift, 0.1)).unwrap();
     assert!(fractions(&drift.at(99).unwrap(), 0).iter().all(|x| (-1e-9..1.0 + 1e-9).contains(x)));
     // A file of discs may have a box that is periodic along z.
     let vectors = [[9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [2.5, 3.5, 9.0]];
@@ -135,10 +141,11 @@ fn unsupported_motions_in_boxes_are_refused() {
         let none = scene("loose:n=0,periodic=true");
         assert_eq!(Frames::new(&none, motion(kind, 0.1)).unwrap().at(3).unwrap().scene.len(), 0);
     }
-    let mut far = Frames::new(&scene("loose:n=9,periodic=true"), motion(Kind::Shear, 1e6)).unwrap();
+    let mut far =
+        Frames::new(&scene("loose:n=9,periodic=true"), motion(MotionKind::Shear, 1e6)).unwrap();
     assert!(far.at(u64::MAX).is_ok_and(|frame| coordinates(&frame).iter().all(|x| x.is_finite())));
     let huge = Lattice::along_axes([1e150, 1.0, 1.0], [true, true, false]).unwrap();
     let huge = Given::in_box(scene("loose:n=9,diameter=1e300").scene, huge).unwrap();
-    let said = Frames::new(&huge, motion(Kind::Drift, 1e6)).unwrap().at(1 << 60);
+    let said = Frames::new(&huge, motion(MotionKind::Drift, 1e6)).unwrap().at(1 << 60);
     assert!(format!("{:#}", said.unwrap_err()).starts_with("frame 1152921504606846976; take"));
 }

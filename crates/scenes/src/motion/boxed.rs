@@ -12,7 +12,7 @@
 use anyhow::ensure;
 use nalgebra::Point;
 
-use super::Kind;
+use super::MotionKind;
 use super::paths::between_walls;
 use contactbench_ground::scene::{Lattice, Scene, array};
 
@@ -33,9 +33,19 @@ impl<const D: usize> Boxed<D> {
     /// # Errors
     /// Fails if the motion does not work in boxes or in this box, or if the box of discs leaves the
     /// plane.
-    pub fn new(scene: &Scene<'_, f64, D>, first: &Lattice, kind: Kind) -> anyhow::Result<Boxed<D>> {
-        let goes =
-            matches!(kind, Kind::Rest | Kind::Drift | Kind::Shear | Kind::Jitter | Kind::Brownian);
+    pub fn new(
+        scene: &Scene<'_, f64, D>,
+        first: &Lattice,
+        kind: MotionKind,
+    ) -> anyhow::Result<Boxed<D>> {
+        let goes = matches!(
+            kind,
+            MotionKind::Rest
+                | MotionKind::Drift
+                | MotionKind::Shear
+                | MotionKind::Jitter
+                | MotionKind::Brownian
+        );
         ensure!(
             goes,
             "{} needs open boundaries, but the scene is periodic; leave out its box, or take rest, \
@@ -45,7 +55,7 @@ impl<const D: usize> Boxed<D> {
         let first = if D == 2 { first.flat()? } else { *first };
         let [_, y, z] = first.vectors()[0];
         ensure!(
-            kind != Kind::Shear || !first.periodic()[0] || [y, z] == [0.0; 2],
+            kind != MotionKind::Shear || !first.periodic()[0] || [y, z] == [0.0; 2],
             "layers slide along x, and the first periodic vector of the box is not along x but \
              has y = {y} and z = {z}; turn the box and its particles, or take another motion"
         );

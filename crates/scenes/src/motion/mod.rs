@@ -21,7 +21,7 @@ use contactbench_terms::grammar::Spec;
 use contactbench_terms::nearest::hint;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum MotionKind {
     Rest,
     Drift,
     Shear,
@@ -38,12 +38,12 @@ pub enum Kind {
 const GONE: [&str; 3] = ["collapse", "drum", "penetration"];
 
 /// Name of each motion on the command line, and summary with the meaning of the speed, in the order
-/// of [`Kind::ALL`].
+/// of [`MotionKind::ALL`].
 const TABLE: &str = include_str!("kinds.txt");
 
-impl Kind {
-    pub const ALL: [Kind; 8] = {
-        use Kind::*;
+impl MotionKind {
+    pub const ALL: [MotionKind; 8] = {
+        use MotionKind::*;
         [Rest, Drift, Shear, Rotation, Vortex, Jitter, Brownian, Bullet]
     };
 
@@ -51,8 +51,8 @@ impl Kind {
     fn row(self) -> (&'static str, &'static str) {
         let rows = TABLE.lines().filter_map(|line| line.split_once(": "));
         match self {
-            Kind::Gone(name) => (name, "soft spheres, which this program does not make"),
-            _ => Kind::ALL
+            MotionKind::Gone(name) => (name, "soft spheres, which this program does not make"),
+            _ => MotionKind::ALL
                 .into_iter()
                 .zip(rows)
                 .find(|row| row.0 == self)
@@ -70,10 +70,10 @@ impl Kind {
 
     /// Checks that this program can make the motion; fails for those of earlier versions.
     pub fn made(self) -> anyhow::Result<()> {
-        let Kind::Gone(name) = self else { return Ok(()) };
+        let MotionKind::Gone(name) = self else { return Ok(()) };
         bail!(
             "this program does not make the motion '{name}' of earlier versions; take one of {}",
-            Kind::ALL.map(Kind::name).join(", ")
+            MotionKind::ALL.map(MotionKind::name).join(", ")
         )
     }
 }
@@ -81,7 +81,7 @@ impl Kind {
 /// A motion and its speed, written as in `drift:speed=0.001,seed=2`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    pub kind: Kind,
+    pub kind: MotionKind,
     /// Speed in diameters of the largest particle per frame.
     pub speed: f64,
     pub seed: u64,
@@ -97,12 +97,12 @@ impl FromStr for Motion {
     fn from_str(text: &str) -> anyhow::Result<Motion> {
         let given = Spec::parse(text);
         let name = given.name;
-        let mut all = Kind::ALL.into_iter().chain(GONE.map(Kind::Gone));
+        let mut all = MotionKind::ALL.into_iter().chain(GONE.map(MotionKind::Gone));
         let Some(kind) = all.find(|kind| kind.name() == name) else {
             bail!(
                 "there is no motion '{name}'{}; the motions are: {}",
-                hint(name, Kind::ALL.map(Kind::name)),
-                Kind::ALL.map(Kind::name).join(", ")
+                hint(name, MotionKind::ALL.map(MotionKind::name)),
+                MotionKind::ALL.map(MotionKind::name).join(", ")
             );
         };
         given.keys(&["speed", "seed"], "a motion takes speed=NUMBER and seed=NUMBER")?;
@@ -122,7 +122,7 @@ impl fmt::Display for Motion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Motion { kind, speed, seed } = self;
         match kind {
-            Kind::Rest => f.write_str(kind.name()),
+            MotionKind::Rest => f.write_str(kind.name()),
             _ => write!(f, "{}:speed={speed},seed={seed}", kind.name()),
         }
     }
@@ -135,11 +135,11 @@ impl Frames {
     ///
     /// # Errors
     /// Fails if f64 cannot store the scene, if speeds have no meaning because all radii are 0, if
-    /// the motion does not work in the box, or if it is [`Kind::Gone`].
+    /// the motion does not work in the box, or if it is [`MotionKind::Gone`].
     pub fn new(given: &Given, motion: Motion) -> anyhow::Result<Frames> {
         motion.kind.made()?;
         let (scene, lattice) = (&given.scene, given.lattice.as_ref());
-        let moves = motion.kind != Kind::Rest && motion.speed > 0.0 && !scene.is_empty();
+        let moves = motion.kind != MotionKind::Rest && motion.speed > 0.0 && !scene.is_empty();
         ensure!(
             !moves || scene.largest_radius() > 0.0,
             "speeds are in diameters of the largest particle, but all radii of this scene are 0; \
@@ -173,7 +173,7 @@ impl Frames {
         })))
     }
 
-    /// Makes frame `k`, with its periodic box. Frames of [`Kind::Brownian`] are computed one after
+    /// Makes frame `k`, with its periodic box. Frames of [`MotionKind::Brownian`] are computed one after
     /// the other, from the last frame made or, if `k` is smaller, from frame 0.
     ///
     /// # Errors

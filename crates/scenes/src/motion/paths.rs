@@ -3,16 +3,16 @@
 use nalgebra::Point;
 
 use super::boxed::{Boxed, brought};
-use super::{Kind, Motion, diameter};
+use super::{Motion, MotionKind, diameter};
 use crate::generate::draw::Draw;
 use contactbench_ground::scene::{Lattice, Scene};
 
-/// Number of frames after which a particle gets a new velocity in [`Kind::Brownian`].
+/// Number of frames after which a particle gets a new velocity in [`MotionKind::Brownian`].
 const PERIOD: u64 = 100;
 
 /// The values that, with the centres in frame 0, determine the positions in frame k.
 pub(super) struct Paths<const D: usize> {
-    kind: Kind,
+    kind: MotionKind,
     seed: u64,
     /// Speed, in length per frame.
     speed: f64,
@@ -21,7 +21,7 @@ pub(super) struct Paths<const D: usize> {
     /// Velocities of the particles, in length per frame.
     velocities: Vec<[f64; D]>,
     walk: Walk<D>,
-    /// For [`Kind::Shear`]: velocity along x per unit of y, then the y where particles are at rest.
+    /// For [`MotionKind::Shear`]: velocity along x per unit of y, then the y where particles are at rest.
     slope: f64,
     still: f64,
     /// Box and walls of a periodic scene; `None` in open space.
@@ -55,11 +55,11 @@ impl<const D: usize> Paths<D> {
         let extent = std::array::from_fn(|k| high[k] - low[k]);
         let speed = speed * diameter(scene);
         let velocities = match kind {
-            Kind::Drift | Kind::Brownian => {
+            MotionKind::Drift | MotionKind::Brownian => {
                 let mut draw = Draw::of_motion(seed, 0);
                 scene.centres().iter().map(|_| in_ball(&mut draw, speed)).collect()
             }
-            Kind::Bullet => {
+            MotionKind::Bullet => {
                 let mut velocities = vec![[0.0; D]; scene.len()];
                 let bullet = velocities.iter_mut().take(1);
                 bullet.for_each(|it| *it = on_ball(&mut Draw::of_motion(seed, 0), speed));
@@ -77,7 +77,7 @@ impl<const D: usize> Paths<D> {
             },
             |(height, corner)| (0.5 * height, corner),
         );
-        let slope = if kind == Kind::Shear && most > 0.0 { speed / most } else { 0.0 };
+        let slope = if kind == MotionKind::Shear && most > 0.0 { speed / most } else { 0.0 };
         Ok(Paths { kind, seed, speed, low, extent, velocities, walk, slope, still, boxed })
     }
 
@@ -90,17 +90,17 @@ impl<const D: usize> Paths<D> {
         let time = k as f64;
         let all = first.iter();
         Ok(match self.kind {
-            Kind::Rest | Kind::Gone(_) => first.to_vec(),
+            MotionKind::Rest | MotionKind::Gone(_) => first.to_vec(),
             _ if k == 0 => first.to_vec(),
-            Kind::Drift | Kind::Bullet => {
+            MotionKind::Drift | MotionKind::Bullet => {
                 let displacements = self.velocities.iter().map(|it| it.map(|v| v * time));
                 all.zip(displacements).map(|(at, it)| self.gone(at, &it)).collect()
             }
-            Kind::Brownian => {
+            MotionKind::Brownian => {
                 self.walk_to(k, first.len());
                 all.zip(&self.walk.at).map(|(at, it)| self.gone(at, it)).collect()
             }
-            Kind::Jitter => {
+            MotionKind::Jitter => {
                 let mut draw = Draw::of_motion(self.seed, k);
                 let moved = all.map(|at| at.map(|x| x + self.speed * draw.normal()));
                 match &self.boxed {
@@ -108,7 +108,7 @@ impl<const D: usize> Paths<D> {
                     Some(boxed) => moved.map(|at| boxed.in_first(&at)).collect(),
                 }
             }
-            Kind::Shear => {
+            MotionKind::Shear => {
                 let slid = all.map(|at| {
                     let mut at = *at;
                     at[0] += self.slope * (at[1] - self.still) * time;
@@ -119,14 +119,14 @@ impl<const D: usize> Paths<D> {
                     Some(lattice) => slid.map(|at| brought(&lattice, &at)).collect(),
                 }
             }
-            Kind::Rotation | Kind::Vortex => self.whirled(time, first),
+            MotionKind::Rotation | MotionKind::Vortex => self.whirled(time, first),
         })
     }
 
     /// Returns the positions after a rotation about the middle: as a rigid body, or in a vortex.
     fn whirled(&self, time: f64, first: &[Point<f64, D>]) -> Vec<Point<f64, D>> {
         let middle: [f64; D] = std::array::from_fn(|k| self.low[k] + 0.5 * self.extent[k]);
-        let rigid = self.kind == Kind::Rotation;
+        let rigid = self.kind == MotionKind::Rotation;
         // Distance from the centre at which motion is fastest: that of the outermost particle in a
         // rotation, the edge of the core in a vortex.
         let most = match rigid {

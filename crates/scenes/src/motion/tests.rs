@@ -15,7 +15,7 @@ pub(super) fn coordinates(given: &Given) -> Vec<f64> {
     })
 }
 
-pub(super) fn motion(kind: Kind, speed: f64) -> Motion {
+pub(super) fn motion(kind: MotionKind, speed: f64) -> Motion {
     Motion { kind, speed, seed: 1 }
 }
 
@@ -36,9 +36,9 @@ fn longest(a: &Given, b: &Given, dim: usize) -> f64 {
 }
 
 /// Returns scenes in open space and in boxes, each with a motion that it supports.
-fn moving() -> impl Iterator<Item = (Given, Kind)> {
+fn moving() -> impl Iterator<Item = (Given, MotionKind)> {
     let open = ["loose:dim=2,n=150", "packed:dim=3,n=120"];
-    let open = open.into_iter().flat_map(|text| Kind::ALL.map(|kind| (scene(text), kind)));
+    let open = open.into_iter().flat_map(|text| MotionKind::ALL.map(|kind| (scene(text), kind)));
     let boxed = BOXES.into_iter().flat_map(|text| goes().map(|kind| (scene(text), kind)));
     open.chain(boxed)
 }
@@ -63,7 +63,7 @@ fn frames_have_the_same_bits_on_every_machine() {
         let all = coordinates(given).into_iter().chain(vectors.into_iter().flatten().flatten());
         all.fold(0, |sum, x| splitmix64(sum ^ x.to_bits()))
     };
-    let at = |text: &str, kind: Kind, k: u64| {
+    let at = |text: &str, kind: MotionKind, k: u64| {
         digest(&Frames::new(&scene(text), motion(kind, 0.1)).unwrap().at(k).unwrap())
     };
     let lines = include_str!("hashes.txt").lines().skip(1);
@@ -78,16 +78,16 @@ fn frames_have_the_same_bits_on_every_machine() {
 fn the_fastest_particle_has_about_the_given_speed() {
     for (text, dim) in [("loose:dim=2,n=2000", 2), ("loose:dim=3,n=2000,diameter=1", 3)] {
         let scene = scene(text);
-        for kind in Kind::ALL {
+        for kind in MotionKind::ALL {
             let mut frames = Frames::new(&scene, motion(kind, 0.02)).unwrap();
             let mut most = 0.0f64;
             for k in [0, 1, 57, 600] {
                 most = most.max(longest(&frames.at(k).unwrap(), &frames.at(k + 1).unwrap(), dim));
             }
             match kind {
-                Kind::Rest => assert_eq!(most, 0.0),
+                MotionKind::Rest => assert_eq!(most, 0.0),
                 // This is the largest of thousands of displacements, normal along each axis.
-                Kind::Jitter => assert!((0.06..0.2).contains(&most), "{most}"),
+                MotionKind::Jitter => assert!((0.06..0.2).contains(&most), "{most}"),
                 _ => assert!((0.0185..0.02001).contains(&most), "{kind:?} {most}"),
             }
         }
@@ -98,7 +98,7 @@ fn the_fastest_particle_has_about_the_given_speed() {
 fn walls_contain_all_particles_and_layers_keep_their_height() {
     let scene = scene("loose:dim=2,n=300");
     let first = coordinates(&scene);
-    for kind in [Kind::Drift, Kind::Brownian] {
+    for kind in [MotionKind::Drift, MotionKind::Brownian] {
         let mut frames = Frames::new(&scene, motion(kind, 0.7)).unwrap();
         for k in [1, 10, 1000] {
             let frame = coordinates(&frames.at(k).unwrap());
@@ -109,7 +109,7 @@ fn walls_contain_all_particles_and_layers_keep_their_height() {
             }
         }
     }
-    let sheared = Frames::new(&scene, motion(Kind::Shear, 0.7)).unwrap().at(50).unwrap();
+    let sheared = Frames::new(&scene, motion(MotionKind::Shear, 0.7)).unwrap().at(50).unwrap();
     let sheared = coordinates(&sheared);
     let mut both = first.chunks(2).zip(sheared.chunks(2));
     assert!(both.clone().all(|(a, b)| a[1] == b[1]));
@@ -120,17 +120,18 @@ fn walls_contain_all_particles_and_layers_keep_their_height() {
 fn small_scenes_move_unless_they_lack_a_diameter_or_extent() {
     let none = Scene::<f64, 2>::at([], 1.0).unwrap().into();
     for scene in [scene("loose:dim=2,n=1"), scene("loose:dim=3,n=1"), none] {
-        for kind in Kind::ALL {
+        for kind in MotionKind::ALL {
             let frame = Frames::new(&scene, motion(kind, 0.5)).unwrap().at(9).unwrap();
             assert_eq!(frame.scene.len(), scene.scene.len(), "{kind:?}");
             assert!(coordinates(&frame).iter().all(|x| x.is_finite()), "{kind:?}");
         }
     }
     let of = |x: f64, r| -> Given { Scene::at([[-x, 0.0], [x, 0.0]], r).unwrap().into() };
-    let points = Frames::new(&of(1.0, 0.0), motion(Kind::Drift, 0.1)).err().unwrap().to_string();
+    let points =
+        Frames::new(&of(1.0, 0.0), motion(MotionKind::Drift, 0.1)).err().unwrap().to_string();
     assert!(points.contains("all radii of this scene are 0"), "{points}");
-    assert!(Frames::new(&of(1.0, 0.0), motion(Kind::Rest, 0.1)).is_ok());
-    let mut wide = Frames::new(&of(1.7e308, 1.0), motion(Kind::Drift, 0.1)).unwrap();
+    assert!(Frames::new(&of(1.0, 0.0), motion(MotionKind::Rest, 0.1)).is_ok());
+    let mut wide = Frames::new(&of(1.7e308, 1.0), motion(MotionKind::Drift, 0.1)).unwrap();
     assert!(wide.at(0).is_ok());
     assert!(wide.at(1).unwrap_err().to_string().starts_with("frame 1"));
 }
@@ -140,8 +141,10 @@ fn the_text_of_a_motion_parses_to_itself() {
     for text in ["rest", "drift:speed=0.001,seed=3", "brownian:speed=2,seed=1"] {
         assert_eq!(text.parse::<Motion>().unwrap().to_string(), text);
     }
-    let named = |kind: Kind| kind.name().parse::<Motion>().is_ok_and(|it| it.kind == kind);
-    assert!(Kind::ALL.into_iter().all(named) && TABLE.lines().count() == Kind::ALL.len());
+    let named = |kind: MotionKind| kind.name().parse::<Motion>().is_ok_and(|it| it.kind == kind);
+    assert!(
+        MotionKind::ALL.into_iter().all(named) && TABLE.lines().count() == MotionKind::ALL.len()
+    );
     let gone: Motion = "drum".parse().unwrap();
     let refused = Frames::new(&scene("loose:n=9"), gone).err().unwrap().to_string();
     assert!(refused.starts_with("this program does not make the motion 'drum'"), "{refused}");

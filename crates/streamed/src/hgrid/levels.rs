@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::STRIP;
-use contactbench_ground::contact::{Bodies, Margin};
+use contactbench_ground::contact::{Margin, Particles};
 use contactbench_ground::detect::company::{CLASSES, CROWD, company};
 use contactbench_ground::detect::rows::mixed;
 use contactbench_ground::filter::Cells;
@@ -32,12 +32,12 @@ pub(super) struct Class<const D: usize> {
     pub low: [f64; D],
     pub high: [f64; D],
     pub largest: f64,
-    pub bodies: usize,
+    pub particles: usize,
 }
 
 impl<const D: usize> Class<D> {
     const NONE: Class<D> =
-        Class { low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D], largest: 0.0, bodies: 0 };
+        Class { low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D], largest: 0.0, particles: 0 };
 
     #[inline(always)]
     fn take(&mut self, position: [f64; D], radius: f64) {
@@ -46,7 +46,7 @@ impl<const D: usize> Class<D> {
             self.high[k] = self.high[k].max(x);
         }
         self.largest = self.largest.max(radius);
-        self.bodies += 1;
+        self.particles += 1;
     }
 }
 
@@ -66,18 +66,22 @@ impl<const D: usize> Level<D> {
 
     /// Returns the grid of the class: about one particle per cell if `filled` is set, else cells as
     /// wide as the reach.
-    fn grid<T: Real>(&self, bodies: &impl Bodies<T, D>, filled: bool) -> Result<Cells<D>, Refusal> {
-        let Class { low, high, largest, bodies: count, .. } = self.class;
-        let points = bodies.class_reach(largest, largest) <= bodies.underflow();
+    fn grid<T: Real>(
+        &self,
+        particles: &impl Particles<T, D>,
+        filled: bool,
+    ) -> Result<Cells<D>, Refusal> {
+        let Class { low, high, largest, particles: count, .. } = self.class;
+        let points = particles.class_reach(largest, largest) <= particles.underflow();
         // The book's cells are always as wide as the reach.
-        let filled = filled && bodies.margin() == Margin::Safe;
+        let filled = filled && particles.margin() == Margin::Safe;
         let least = if filled || points { spacing(low, high, count) } else { 0.0 };
-        Cells::of_class(bodies, (low, high), largest, least)
+        Cells::of_class(particles, (low, high), largest, least)
     }
 
-    fn is_sparse<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
-        let Class { low, high, largest, bodies: count, .. } = self.class;
-        spacing(low, high, count) > bodies.class_reach(largest, largest)
+    fn is_sparse<T: Real>(&self, particles: &impl Particles<T, D>) -> bool {
+        let Class { low, high, largest, particles: count, .. } = self.class;
+        spacing(low, high, count) > particles.class_reach(largest, largest)
     }
 
     #[inline(always)]
@@ -102,41 +106,42 @@ impl<const D: usize> Levels<D> {
     };
 
     pub fn new<T: Real>(
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         ratio: Option<f64>,
     ) -> Result<Levels<D>, Refusal> {
-        let n = bodies.len() as u32;
+        let n = particles.len() as u32;
         let mut levels = Levels::NONE;
         let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
-        match bodies.uniform() {
+        match particles.uniform() {
             Some(radius) => (least, largest) = (radius, radius),
             None => (0..n).for_each(|id| {
-                least = least.min(bodies.radius(id));
-                largest = largest.max(bodies.radius(id));
+                least = least.min(particles.radius(id));
+                largest = largest.max(particles.radius(id));
             }),
         }
         levels.part(ratio, least, largest);
         for id in 0..n {
-            let radius = bodies.radius(id);
+            let radius = particles.radius(id);
             let class = levels.class(radius);
-            levels.levels[class].class.take(bodies.position(id), radius);
+            levels.levels[class].class.take(particles.position(id), radius);
         }
         let mut slots = 0;
         for level in &mut levels.levels[..levels.count] {
-            if level.class.bodies > 0 {
-                level.cells = Some(level.grid(bodies, true)?);
+            if level.class.particles > 0 {
+                level.cells = Some(level.grid(particles, true)?);
                 // One slot always stays free, since there are fewer than 2^32 particles.
                 let wanted =
-                    (2 * level.class.bodies as u64).next_power_of_two().min(1 << 32) as usize;
+                    (2 * level.class.particles as u64).next_power_of_two().min(1 << 32) as usize;
                 level.slots = slots..slots + wanted;
                 slots += wanted;
             }
         }
-        if levels.all().iter().any(|level| level.class.bodies > 0 && level.is_sparse(bodies)) {
-            let crowded = levels.crowded(bodies);
+        if levels.all().iter().any(|level| level.class.particles > 0 && level.is_sparse(particles))
+        {
+            let crowded = levels.crowded(particles);
             let levels = levels.levels.iter_mut().zip(crowded);
             for (level, _) in levels.filter(|(_, crowded)| *crowded) {
-                level.cells = Some(level.grid(bodies, false)?);
+                level.cells = Some(level.grid(particles, false)?);
             }
         }
         Ok(levels)
@@ -160,16 +165,16 @@ impl<const D: usize> Levels<D> {
 
     /// Returns for each level whether it has many particles per cell, estimated from a sample. A
     /// level with few pairs is not reported: it costs little.
-    fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> [bool; MOST_LEVELS] {
+    fn crowded<T: Real>(&self, particles: &impl Particles<T, D>) -> [bool; MOST_LEVELS] {
         let place = |id| {
-            let class = self.class(bodies.radius(id));
+            let class = self.class(particles.radius(id));
             let (_, cells) = self.at(class);
-            let position = bodies.position(id);
+            let position = particles.position(id);
             let key =
                 |key, k| splitmix64(key ^ u64::from(cells.index(position[k], k, &mut Silent)));
             (class, (0..D).fold(0, key))
         };
-        company(bodies.len(), place, |class| self.levels[class].class.bodies)
+        company(particles.len(), place, |class| self.levels[class].class.particles)
             .map(|company| company > CROWD)
     }
 

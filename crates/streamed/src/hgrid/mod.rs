@@ -13,7 +13,7 @@
 //! 1. Radii are divided into levels at the largest radius divided by powers of a ratio. A radius at
 //!    a border belongs to the smaller level. The grid of a level covers the box of its particles.
 //!    Its cells are as wide as the reach of its largest radius
-//!    ([`contactbench_ground::contact::Bodies::class_reach`]). In a sparse level cells are as wide
+//!    ([`contactbench_ground::contact::Particles::class_reach`]). In a sparse level cells are as wide
 //!    as the spacing of particles, unless a sample shows that particles crowd.
 //! 2. Rows of cells along x are cut into strips of 8. Strips with particles are found by a hash
 //!    (open addressing, one table per level) and sorted by row and position. A strip stores where
@@ -44,7 +44,7 @@ mod search;
 
 use levels::{Level, Levels};
 
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::any::{AnyDetector, Both};
 use contactbench_ground::detect::copies::{Each, Judge, One, Record, room};
 use contactbench_ground::detect::{Declare, Detector, Options, within};
@@ -112,21 +112,22 @@ fn bytes<const D: usize>(slots: u64, particles: u64, strips: u64) -> u64 {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for HGrid<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+    fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        self.levels = Levels::new(&bodies, self.ratio)?;
-        self.fits(bodies.len(), 0)?;
-        self.find_strips(&bodies, probe);
+        self.levels = Levels::new(&particles, self.ratio)?;
+        self.fits(particles.len(), 0)?;
+        self.find_strips(&particles, probe);
         let strips = self.levels.all().iter().map(|level| level.strips.len()).sum();
-        self.fits(bodies.len(), strips)?;
-        self.sort_strips(&bodies, strips, probe);
-        self.sort_bodies(&bodies, probe);
-        let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
-        match bodies.uniform() {
+        self.fits(particles.len(), strips)?;
+        self.sort_strips(&particles, strips, probe);
+        self.sort_particles(&particles, probe);
+        let (slack, touch) =
+            (particles.slack(), |i, j, probe: &mut P| particles.touch(i, j, probe));
+        match particles.uniform() {
             Some(radius) => self.search(Judge::new(&touch, One::new(radius, slack)), probe, sink),
             None => self.search(Judge::new(&touch, Each::new(slack)), probe, sink),
         }
@@ -162,16 +163,16 @@ impl<const D: usize> HGrid<D> {
         within(&self.options, "hgrid", needed, || format!("{particles} particles"))
     }
 
-    fn find_strips<T: Real>(&mut self, bodies: &impl Bodies<T, D>, probe: &mut impl Probe) {
-        let n = bodies.len();
+    fn find_strips<T: Real>(&mut self, particles: &impl Particles<T, D>, probe: &mut impl Probe) {
+        let n = particles.len();
         let slots = self.levels.all().iter().map(|level| level.slots.len()).sum();
         self.slots.clear();
         room(&mut self.slots, slots, FREE);
         room(&mut self.places, n, 0);
         for id in 0..n as u32 {
-            let class = self.levels.class(bodies.radius(id));
+            let class = self.levels.class(particles.radius(id));
             let (level, cells) = self.levels.at(class);
-            let first = Level::strip(cells, bodies.position(id), probe);
+            let first = Level::strip(cells, particles.position(id), probe);
             let slots = &mut self.slots[level.slots.clone()];
             let mut slot = level.slot(first);
             let is_new = loop {
@@ -181,7 +182,7 @@ impl<const D: usize> HGrid<D> {
                     break true;
                 }
                 probe.count(Op::KeyCompare);
-                if Level::strip(cells, bodies.position(other), probe) == first {
+                if Level::strip(cells, particles.position(other), probe) == first {
                     break false;
                 }
                 slot = (slot + 1) & (slots.len() - 1);
@@ -194,7 +195,7 @@ impl<const D: usize> HGrid<D> {
 
     fn sort_strips<T: Real>(
         &mut self,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
         count: usize,
         probe: &mut impl Probe,
     ) {
@@ -209,7 +210,7 @@ impl<const D: usize> HGrid<D> {
                 (&mut self.strips[level.strips.clone()], &mut self.slots[level.slots.clone()]);
             let taken = slots.iter().zip(0..).filter(|(id, _)| **id != FREE);
             for (strip, (&id, slot)) in strips.iter_mut().zip(taken) {
-                strip.first = Level::strip(cells, bodies.position(id), probe);
+                strip.first = Level::strip(cells, particles.position(id), probe);
                 // Holds the strip's slot until strips are sorted; starts of records come later.
                 strip.starts[0] = slot;
             }
@@ -221,14 +222,18 @@ impl<const D: usize> HGrid<D> {
         }
     }
 
-    fn sort_bodies<T: Real>(&mut self, bodies: &impl Bodies<T, D>, probe: &mut impl Probe) {
-        let n = bodies.len() as u32;
-        room(&mut self.records, bodies.len(), Record::NONE);
+    fn sort_particles<T: Real>(
+        &mut self,
+        particles: &impl Particles<T, D>,
+        probe: &mut impl Probe,
+    ) {
+        let n = particles.len() as u32;
+        room(&mut self.records, particles.len(), Record::NONE);
         for id in 0..n {
-            let (level, cells) = self.levels.of(bodies.radius(id));
+            let (level, cells) = self.levels.of(particles.radius(id));
             let place = &mut self.places[id as usize];
             *place = self.slots[level.slots.clone()][*place as usize];
-            let at = cells.index(bodies.position(id)[0], 0, probe) % STRIP;
+            let at = cells.index(particles.position(id)[0], 0, probe) % STRIP;
             self.strips[*place as usize].starts[at as usize] += 1;
         }
         let mut end = 0;
@@ -246,8 +251,8 @@ impl<const D: usize> HGrid<D> {
         }
         // Each cell is filled from its end backwards, so that its particles stay in order.
         for id in (0..n).rev() {
-            let (_, cells) = self.levels.of(bodies.radius(id));
-            let record = Record::new(bodies, id);
+            let (_, cells) = self.levels.of(particles.radius(id));
+            let record = Record::new(particles, id);
             let at = cells.index(record.position[0], 0, probe) % STRIP;
             let start = &mut self.strips[self.places[id as usize] as usize].starts[at as usize];
             *start -= 1;

@@ -2,7 +2,7 @@
 
 use super::levels::Level;
 use super::{FREE, HGrid, STRIP, Strip};
-use contactbench_ground::detect::copies::{Found, Judge, Nearness, Record};
+use contactbench_ground::detect::copies::{Judge, Nearness, PairBuffer, Record};
 use contactbench_ground::detect::rows::rows_after;
 use contactbench_ground::pairs::sink::Sink;
 use contactbench_ground::probe::{Op, Probe};
@@ -17,7 +17,7 @@ impl<const D: usize> HGrid<D> {
         probe: &mut P,
         sink: &mut impl Sink,
     ) {
-        let mut found = Found::none();
+        let mut found = PairBuffer::none();
         for (k, level) in self.levels.all().iter().enumerate() {
             for strip in level.strips.clone() {
                 self.beside(level, strip, &judge, &mut found, probe, sink);
@@ -37,7 +37,7 @@ impl<const D: usize> HGrid<D> {
         level: &Level<D>,
         strip: usize,
         judge: &Judge<'_, P, impl Nearness>,
-        found: &mut Found,
+        found: &mut PairBuffer,
         probe: &mut P,
         sink: &mut impl Sink,
     ) {
@@ -152,7 +152,7 @@ impl<const D: usize> HGrid<D> {
         a: &Record<D>,
         level: &Level<D>,
         judge: &Judge<'_, P, impl Nearness>,
-        found: &mut Found,
+        found: &mut PairBuffer,
         probe: &mut P,
         sink: &mut impl Sink,
     ) {
@@ -175,7 +175,7 @@ impl<const D: usize> HGrid<D> {
         let rows =
             (1..D).fold(1u64, |rows, k| rows.saturating_mul(u64::from(last[k] - first[k]) + 1));
         let looks = rows.saturating_mul(u64::from(strips.end() - strips.start()) + 1);
-        if looks > level.class.bodies as u64 / 2 {
+        if looks > level.class.particles as u64 / 2 {
             let all = &self.records[level.records.clone()];
             return judge.against(a, all, found, probe, sink);
         }

@@ -13,7 +13,7 @@ use super::output::Output;
 use super::plan::Plan;
 use super::slab::Slab;
 use super::{Deliver, NAME, Streamed, Worker, numbered};
-use contactbench_ground::contact::Bodies;
+use contactbench_ground::contact::Particles;
 use contactbench_ground::detect::company::{CROWD, company};
 use contactbench_ground::detect::{Declare, Detector, within};
 use contactbench_ground::limits::refusal::Refusal;
@@ -38,33 +38,33 @@ struct Level<const D: usize> {
 type Levels<const D: usize> = [Option<Level<D>>; MOST];
 
 impl<const D: usize> Streamed<D> {
-    pub(super) fn by_class<T: Real, B: Bodies<T, D>, P: Probe, S: Sink>(
+    pub(super) fn by_class<T: Real, B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,
         classes: &Classes<D>,
-        bodies: B,
+        particles: B,
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let n = bodies.len();
+        let n = particles.len();
         numbered(NAME, n)?;
-        let Some(levels) = self.levels(classes, &bodies)? else {
-            let result = self.crowded.detect(bodies, probe, sink);
+        let Some(levels) = self.levels(classes, &particles)? else {
+            let result = self.crowded.detect(particles, probe, sink);
             self.formula = Declare::formula_bytes(&self.crowded);
             return result.map_err(|refusal| refusal.of(NAME));
         };
         if classes.all().len() == 1 {
-            return self.sweep(bodies, probe, sink);
+            return self.sweep(particles, probe, sink);
         }
         let Streamed { options, level, workers, each, formula, .. } = self;
         let count = classes.all().len();
         let all = || levels.iter().flatten();
         let shape = || format!("{n} particles in {count} classes of sizes");
-        let mean = all().map(|of| of.class.bodies.div_ceil(of.plan.slabs)).max().unwrap_or(0);
+        let mean = all().map(|of| of.class.particles.div_ceil(of.plan.slabs)).max().unwrap_or(0);
         within(options, NAME, needed(&levels, mean), shape)?;
         grow(&mut each.lists, count);
         grow(workers, 1);
         let (lists, worker) = (&mut each.lists[..count], &mut workers[0]);
-        fill(&bodies, classes, &levels, lists);
+        fill(&particles, classes, &levels, lists);
         probe.add(Op::Integerise, (D * n) as u64);
         probe.add(Op::ListPush, n as u64);
         let lists = &*lists;
@@ -76,9 +76,9 @@ impl<const D: usize> Streamed<D> {
         within(options, NAME, *formula, shape)?;
         worker.slabs.iter_mut().for_each(|slab| slab.prepare(most, cells(&levels), true));
         Record::<D, f32>::prepare(&mut worker.room, most);
-        let touch = |i, j, probe: &mut P| bodies.touch(i, j, probe);
+        let touch = |i, j, probe: &mut P| particles.touch(i, j, probe);
         let mut deliver = Deliver::new(&touch, probe, sink);
-        let slack = bodies.slack();
+        let slack = particles.slack();
         let hosts = hosts(&levels, lists);
         for (k, of) in all().enumerate() {
             let (plan, bounds) = (of.plan, of.bounds);
@@ -104,21 +104,21 @@ impl<const D: usize> Streamed<D> {
     fn levels<T: Real>(
         &self,
         classes: &Classes<D>,
-        bodies: &impl Bodies<T, D>,
+        particles: &impl Particles<T, D>,
     ) -> Result<Option<Levels<D>>, Refusal> {
         let mut levels = [None; MOST];
         let mut may_crowd = false;
         let all = classes.all().iter().fold(classes.all()[0], |all, class| all.with(class));
         let axes = axes((all.low, all.high))?;
         for (level, class) in levels.iter_mut().zip(classes.all()) {
-            let reach = bodies.slack().reach(class.largest, class.largest);
-            let domain = Domain::along(axes, (class.low, class.high), reach, class.bodies);
+            let reach = particles.slack().reach(class.largest, class.largest);
+            let domain = Domain::along(axes, (class.low, class.high), reach, class.particles);
             let Some((grid, crowd)) = domain.dense() else { return Ok(None) };
             // Cells as wide as the reach are crowded only if few particles have that reach.
-            let crowd = crowd || class.is_wide() && class.bodies > FEW;
+            let crowd = crowd || class.is_wide() && class.particles > FEW;
             may_crowd |= crowd;
-            let bounds = Bounds::of(bodies.slack(), reach, &grid, None);
-            let plan = Plan::new(&grid, class.bodies);
+            let bounds = Bounds::of(particles.slack(), reach, &grid, None);
+            let plan = Plan::new(&grid, class.particles);
             *level = Some(Level { class: *class, grid, plan, bounds, may_crowd: crowd });
         }
         let all = || levels.iter().flatten();
@@ -135,10 +135,10 @@ impl<const D: usize> Streamed<D> {
         }
         if may_crowd && self.form.is_none() {
             let place = |id| {
-                let number = classes.number(bodies.radius(id));
-                (number, levels[number].map_or(0, |of| of.grid.cell(bodies.position(id))))
+                let number = classes.number(particles.radius(id));
+                (number, levels[number].map_or(0, |of| of.grid.cell(particles.position(id))))
             };
-            let company = company(bodies.len(), place, |number| classes.all()[number].bodies);
+            let company = company(particles.len(), place, |number| classes.all()[number].particles);
             let crowded = |(of, &company): (&Level<D>, _)| of.may_crowd && company > CROWD;
             if all().zip(&company).any(crowded) {
                 return Ok(None);
@@ -156,7 +156,8 @@ fn cells<const D: usize>(levels: &Levels<D>) -> usize {
 /// Returns the bytes of all arrays if the longest bundle has `most` particles.
 fn needed<const D: usize>(levels: &Levels<D>, most: usize) -> u64 {
     let all = || levels.iter().flatten();
-    let records: u64 = all().map(|of| Lists::<D, f32>::bytes(of.class.bodies, of.plan.slabs)).sum();
+    let records: u64 =
+        all().map(|of| Lists::<D, f32>::bytes(of.class.particles, of.plan.slabs)).sum();
     let structs = size_of::<Worker<D>>() + all().count() * size_of::<Lists<D, f32>>();
     let room = most * size_of::<Record<D, f32>>();
     records + 2 * Slab::<D>::bytes(most, cells(levels), true) + (room + structs) as u64
@@ -175,7 +176,7 @@ fn hosts<'a, const D: usize>(
 }
 
 fn fill<T: Real, const D: usize>(
-    bodies: &impl Bodies<T, D>,
+    particles: &impl Particles<T, D>,
     classes: &Classes<D>,
     levels: &Levels<D>,
     lists: &mut [Lists<D, f32>],
@@ -184,13 +185,13 @@ fn fill<T: Real, const D: usize>(
     for ((filling, level), lists) in
         filling.iter_mut().zip(levels.iter().flatten()).zip(&mut *lists)
     {
-        *filling = Some(lists.begin(level.class.bodies, &level.plan));
+        *filling = Some(lists.begin(level.class.particles, &level.plan));
     }
-    for id in 0..bodies.len() as u32 {
-        let radius = bodies.radius(id);
+    for id in 0..particles.len() as u32 {
+        let radius = particles.radius(id);
         let class = classes.number(radius);
         if let (Some(filling), Some(level)) = (&mut filling[class], &levels[class]) {
-            lists[class].push(filling, &level.grid, bodies.position(id), radius, id);
+            lists[class].push(filling, &level.grid, particles.position(id), radius, id);
         }
     }
     for (filling, level) in filling.into_iter().flatten().zip(levels.iter().flatten()) {

@@ -14,17 +14,17 @@
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 //!
-//! * `pairs`: the pairs that are drawn; `bodies`: particles, and the images that a pair touches.
+//! * `pairs`: the pairs that are drawn; `particles`: particles, and the images that a pair touches.
 //! * `plane`: circles in the drawn plane; `sheet`: the picture.
 
-mod bodies;
 mod pairs;
+mod particles;
 mod plane;
 mod sheet;
 
 use anyhow::{bail, ensure};
-use bodies::Bodies;
 pub use pairs::Pairs;
+use particles::Particles;
 use plane::Plane;
 pub use plane::Slice;
 use sheet::Sheet;
@@ -55,12 +55,12 @@ pub fn svg(periodic: &Periodic<'_>, pairs: &Pairs, look: &Look) -> anyhow::Resul
     if let Some(pair) = pairs.all().find(|pair| pair.j as usize >= count) {
         bail!("the pair {pair}: the scene has {count} particles, numbered from 0");
     }
-    let bodies = Bodies::new(periodic, pairs.all())?;
-    let worst = pairs.worst(periodic).and_then(|pair| bodies.lines(pair).last());
-    let through = worst.map(|pair| Slice::through(pair.map(|k| &bodies.all[k as usize])));
-    let mut plane = Plane::new(&bodies.all, dim, look.slice.or(through), count);
+    let particles = Particles::new(periodic, pairs.all())?;
+    let worst = pairs.worst(periodic).and_then(|pair| particles.lines(pair).last());
+    let through = worst.map(|pair| Slice::through(pair.map(|k| &particles.all[k as usize])));
+    let mut plane = Plane::new(&particles.all, dim, look.slice.or(through), count);
     if let (Some(slice), 0, 1..) = (look.slice, plane.circles().count(), count) {
-        let [low, high] = slice.range(&bodies.all).map(number);
+        let [low, high] = slice.range(&particles.all).map(number);
         let Slice { at, .. } = slice;
         bail!("no sphere meets the slice {0}={at}; {0} goes from {low} to {high}", slice.name());
     }
@@ -68,7 +68,7 @@ pub fn svg(periodic: &Periodic<'_>, pairs: &Pairs, look: &Look) -> anyhow::Resul
     if let Some(pair) = detail {
         plane.zoom(pair);
     }
-    let lines = pairs.all().flat_map(|pair| bodies.lines(*pair));
+    let lines = pairs.all().flat_map(|pair| particles.lines(*pair));
     let lines = lines.filter(|pair| pair.iter().all(|&k| plane.circle(k).is_some())).count();
     for (number, most, what) in
         [(plane.circles().count(), MOST_PARTICLES, "particles"), (lines, MOST_LINES, "pairs")]
@@ -79,6 +79,6 @@ pub fn svg(periodic: &Periodic<'_>, pairs: &Pairs, look: &Look) -> anyhow::Resul
              scene, and check the unit of the radii"
         );
     }
-    let (bodies, plane) = (&bodies, &plane);
-    Ok(Sheet { periodic, bodies, plane, pairs, look, detail }.svg())
+    let (particles, plane) = (&particles, &plane);
+    Ok(Sheet { periodic, particles, plane, pairs, look, detail }.svg())
 }

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use anyhow::Context;
 
-use crate::draw::bodies::Body;
+use crate::draw::particles::Particle;
 use contactbench_ground::scene::Lattice;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Slice {
 impl Slice {
     /// Returns a plane through both particles of a pair, if there is one, at right angles to the
     /// axis along which they are nearest relative to their radii.
-    pub fn through([a, b]: [&Body; 2]) -> Slice {
+    pub fn through([a, b]: [&Particle; 2]) -> Slice {
         let apart = |axis: usize| (a.centre[axis] - b.centre[axis]).abs();
         let axis = [2, 1, 0].into_iter().min_by(|&k, &l| apart(k).total_cmp(&apart(l)));
         let axis = axis.unwrap_or(2);
@@ -26,9 +26,9 @@ impl Slice {
     }
 
     /// Returns the lowest and the highest coordinate of the particles along the plane's normal.
-    pub fn range(&self, bodies: &[Body]) -> [f64; 2] {
+    pub fn range(&self, particles: &[Particle]) -> [f64; 2] {
         let ends =
-            bodies.iter().map(|body| [-1.0, 1.0].map(|s| body.centre[self.axis] + s * body.r));
+            particles.iter().map(|body| [-1.0, 1.0].map(|s| body.centre[self.axis] + s * body.r));
         ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [from, to]| {
             [low.min(from), high.max(to)]
         })
@@ -75,8 +75,8 @@ pub struct Plane {
 impl Plane {
     /// Returns all discs, or the circles of the spheres that meet the slice. The default slice is
     /// through the middle of the first `count` particles.
-    pub fn new(bodies: &[Body], dim: usize, slice: Option<Slice>, count: usize) -> Plane {
-        let sizes = bodies.iter().flat_map(|body| body.centre.into_iter().chain([body.r]));
+    pub fn new(particles: &[Particle], dim: usize, slice: Option<Slice>, count: usize) -> Plane {
+        let sizes = particles.iter().flat_map(|body| body.centre.into_iter().chain([body.r]));
         let largest = sizes.fold(0.0f64, |most, x| most.max(x.abs()));
         let factor = if largest > 1e300 {
             2f64.powi(-30)
@@ -86,17 +86,17 @@ impl Plane {
             1.0
         };
         let middle = || {
-            let heights = bodies.iter().take(count).map(|body| body.centre[2]);
+            let heights = particles.iter().take(count).map(|body| body.centre[2]);
             let low = heights.clone().fold(f64::INFINITY, f64::min);
             Slice { axis: 2, at: 0.5 * low + 0.5 * heights.fold(f64::NEG_INFINITY, f64::max) }
         };
-        let slice = (dim == 3 && !bodies.is_empty()).then(|| slice.unwrap_or_else(middle));
+        let slice = (dim == 3 && !particles.is_empty()).then(|| slice.unwrap_or_else(middle));
         let axes = match slice.map(|slice| slice.axis) {
             Some(0) => [1, 2],
             Some(1) => [0, 2],
             _ => [0, 1],
         };
-        let circle = |(id, body): (u32, &Body)| {
+        let circle = |(id, body): (u32, &Particle)| {
             let r = body.r * factor;
             let away =
                 slice.map_or(0.0, |slice| body.centre[slice.axis] * factor - slice.at * factor);
@@ -105,7 +105,7 @@ impl Plane {
             let at = axes.map(|axis| body.centre[axis] * factor);
             (away.abs() <= r).then_some(Circle { id, at, r: cut })
         };
-        Plane { circles: (0..).zip(bodies).map(circle).collect(), slice, axes, factor }
+        Plane { circles: (0..).zip(particles).map(circle).collect(), slice, axes, factor }
     }
 
     pub fn circles(&self) -> impl Iterator<Item = &Circle> + Clone {
@@ -180,8 +180,8 @@ impl Plane {
 mod tests {
     use super::*;
 
-    fn spheres(centres: &[[f64; 3]], r: f64) -> Vec<Body> {
-        let body = |&centre: &[f64; 3]| Body { particle: 0, image: [0; 3], centre, r };
+    fn spheres(centres: &[[f64; 3]], r: f64) -> Vec<Particle> {
+        let body = |&centre: &[f64; 3]| Particle { particle: 0, image: [0; 3], centre, r };
         centres.iter().map(body).collect()
     }
 

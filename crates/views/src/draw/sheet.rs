@@ -1,6 +1,6 @@
 //! The picture: title, circles, box, pairs, numbers, legend.
 
-use crate::draw::bodies::{Bodies, Body};
+use crate::draw::particles::{Particle, Particles};
 use crate::draw::plane::{Circle, Plane};
 use crate::draw::{Look, Pairs};
 use crate::{px, segment};
@@ -32,7 +32,7 @@ const SPURIOUS: &str = "#e07b00";
 
 pub struct Sheet<'a> {
     pub periodic: &'a Periodic<'a>,
-    pub bodies: &'a Bodies,
+    pub particles: &'a Particles,
     pub plane: &'a Plane,
     pub pairs: &'a Pairs,
     pub look: &'a Look,
@@ -160,7 +160,7 @@ impl Sheet<'_> {
         let count = scene.len();
         let mut words = format!("{count} {}", if scene.dim() == 2 { "discs" } else { "spheres" });
         if lattice.repeats() {
-            let centres = self.bodies.all[..count].iter().map(|body| body.centre);
+            let centres = self.particles.all[..count].iter().map(|body| body.centre);
             let outside = outside(centres, lattice).len();
             let axes = along(lattice.periodic());
             words += &format!(" in a box periodic along {axes}, {outside} outside it");
@@ -169,14 +169,14 @@ impl Sheet<'_> {
             words += &format!(", slice {} = {}", slice.name(), slice.at);
         }
         if let Some(pair) = self.detail {
-            let [i, j] = pair.map(|body| self.bodies.all[body as usize].particle);
+            let [i, j] = pair.map(|body| self.particles.all[body as usize].particle);
             words += &format!(", around {i} and {j}: the worst error");
         }
         words
     }
 
-    fn body(&self, circle: &Circle) -> &Body {
-        &self.bodies.all[circle.id as usize]
+    fn body(&self, circle: &Circle) -> &Particle {
+        &self.particles.all[circle.id as usize]
     }
 
     /// Draws the particles, and above them the images: pale and dashed.
@@ -203,7 +203,7 @@ impl Sheet<'_> {
         for pair in pairs {
             let ends = |[a, b]: [u32; 2]| Some([self.plane.circle(a)?, self.plane.circle(b)?]);
             let before = path.len();
-            for [a, b] in self.bodies.lines(*pair).filter_map(ends) {
+            for [a, b] in self.particles.lines(*pair).filter_map(ends) {
                 let (from, to) = (scale.at(a.at), scale.at(b.at));
                 if from != to {
                     segment(&mut path, from, to);

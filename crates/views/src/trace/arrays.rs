@@ -15,7 +15,7 @@ const LINE: f64 = VALUE[1] + CAPTION + 6.0;
 const TITLE: f64 = 26.0;
 
 #[derive(Clone, Copy)]
-pub enum Kind {
+pub enum ArrayKind {
     /// Heads (first particles) of lists along an axis.
     Heads(usize),
     /// Heads of the lists of all cells.
@@ -28,28 +28,28 @@ pub enum Kind {
 }
 
 /// Letter, kind and title of an array.
-pub type Array = (char, Kind, &'static str);
+pub type Array = (char, ArrayKind, &'static str);
 
-const NEXT: Array = ('E', Kind::Particles, "E: next particle in the cell");
+const NEXT: Array = ('E', ArrayKind::Particles, "E: next particle in the cell");
 
 pub fn blocks(algorithm: Algorithm) -> &'static [Array] {
     match algorithm {
         Algorithm::Nbs => &[
-            ('B', Kind::Heads(1), "B: first particle of each row"),
-            ('Y', Kind::Particles, "Y: next particle in the row"),
-            ('A', Kind::Heads(0), "A: first particle of each column, in the central row"),
-            ('a', Kind::Heads(0), "A&#8242;: first particle of each column, in the row below"),
-            ('X', Kind::Particles, "X: next particle in the cell"),
+            ('B', ArrayKind::Heads(1), "B: first particle of each row"),
+            ('Y', ArrayKind::Particles, "Y: next particle in the row"),
+            ('A', ArrayKind::Heads(0), "A: first particle of each column, in the central row"),
+            ('a', ArrayKind::Heads(0), "A&#8242;: first particle of each column, in the row below"),
+            ('X', ArrayKind::Particles, "X: next particle in the cell"),
         ],
-        Algorithm::Screening => &[('C', Kind::Matrix, "C: first particle of each cell"), NEXT],
+        Algorithm::Screening => &[('C', ArrayKind::Matrix, "C: first particle of each cell"), NEXT],
         Algorithm::Sorting => &[
-            ('X', Kind::Keys(0), "X: columns"),
-            ('Y', Kind::Keys(1), "Y: rows"),
-            ('D', Kind::Particles, "D: particles"),
+            ('X', ArrayKind::Keys(0), "X: columns"),
+            ('Y', ArrayKind::Keys(1), "Y: rows"),
+            ('D', ArrayKind::Particles, "D: particles"),
         ],
         Algorithm::BinaryTree => &[
-            ('L', Kind::Nodes, "L: lower half of each node: a node (n) or the first particle"),
-            ('U', Kind::Nodes, "U: upper half of each node: a node (n) or the first particle"),
+            ('L', ArrayKind::Nodes, "L: lower half of each node: a node (n) or the first particle"),
+            ('U', ArrayKind::Nodes, "U: upper half of each node: a node (n) or the first particle"),
             NEXT,
         ],
     }
@@ -77,10 +77,10 @@ impl<'a> Arrays<'a> {
             blocks.push((array, height));
             height += TITLE + 14.0;
             height += match array.1 {
-                Kind::Matrix => matrix_cell(trace)[1] * rows as f64 + 26.0,
-                Kind::Nodes => lines(nodes),
-                Kind::Heads(axis) => lines([columns, rows][axis]),
-                Kind::Particles | Kind::Keys(_) => lines(n),
+                ArrayKind::Matrix => matrix_cell(trace)[1] * rows as f64 + 26.0,
+                ArrayKind::Nodes => lines(nodes),
+                ArrayKind::Heads(axis) => lines([columns, rows][axis]),
+                ArrayKind::Particles | ArrayKind::Keys(_) => lines(n),
             };
         }
         Arrays { trace, blocks, width, height }
@@ -93,7 +93,7 @@ impl<'a> Arrays<'a> {
     pub fn draw(&self, step: &Step) -> Vec<String> {
         let draw = |&((letter, kind, title), y): &(Array, f64)| {
             let block = match kind {
-                Kind::Matrix => matrix(self.trace, step),
+                ArrayKind::Matrix => matrix(self.trace, step),
                 _ => self.row(step, letter, kind),
             };
             format!(
@@ -105,11 +105,11 @@ impl<'a> Arrays<'a> {
         self.blocks.iter().map(draw).collect()
     }
 
-    fn row(&self, step: &Step, letter: char, kind: Kind) -> String {
+    fn row(&self, step: &Step, letter: char, kind: ArrayKind) -> String {
         let (names, slots) = (&self.trace.names, step.state.array(letter));
         let (numbers, first) = match kind {
-            Kind::Heads(axis) => (self.trace.shown(axis), names.shift[axis]),
-            Kind::Nodes => (0..slots.len() as i64, 0),
+            ArrayKind::Heads(axis) => (self.trace.shown(axis), names.shift[axis]),
+            ArrayKind::Nodes => (0..slots.len() as i64, 0),
             _ => (0..slots.len() as i64, names.first),
         };
         let size = (0.45 * self.width).clamp(17.0, 26.0);
@@ -118,8 +118,8 @@ impl<'a> Arrays<'a> {
             let at = usize::try_from(number).ok().filter(|&at| at < slots.len());
             let slot = at.map_or(Slot::default(), |at| slots[at]);
             let text = match kind {
-                Kind::Nodes if slot.is_node => format!("n{}", slot.value.unwrap_or_default()),
-                Kind::Keys(axis) => {
+                ArrayKind::Nodes if slot.is_node => format!("n{}", slot.value.unwrap_or_default()),
+                ArrayKind::Keys(axis) => {
                     slot.value.map_or(String::new(), |key| names.key(axis, key).to_string())
                 }
                 _ => names.maybe(slot.value),

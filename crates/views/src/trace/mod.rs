@@ -31,7 +31,7 @@ use contactbench_detectors::book::binary_tree::BinaryTree;
 use contactbench_detectors::book::nbs::Nbs;
 use contactbench_detectors::book::screening::Screening;
 use contactbench_detectors::book::sorting::Sorting;
-use contactbench_ground::contact::{Arithmetic, Bodies, any_bodies};
+use contactbench_ground::contact::{Arithmetic, Particles, any_particles};
 use contactbench_ground::detect::{Declare, Detector, Options};
 use contactbench_ground::filter::Cells;
 use contactbench_ground::limits::refusal::Refusal;
@@ -109,8 +109,8 @@ pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Resu
         "the scene has {n} particles; the steps of at most {MOST_PARTICLES} can be followed: take \
          part, or a smaller n"
     );
-    let bodies = any_bodies(scene, Arithmetic::Exact.test())?;
-    let cells = Cells::new(&bodies)?;
+    let particles = any_particles(scene, Arithmetic::Exact.test())?;
+    let cells = Cells::new(&particles)?;
     let [nx, ny] = cells.count;
     ensure!(
         nx.max(ny) <= MOST_CELLS,
@@ -129,7 +129,7 @@ pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Resu
         .collect();
     let mut recorder = Recorder::new(algorithm, names, cells.count, &discs);
     let mut contacts: Vec<[u32; 2]> = Vec::new();
-    detect(algorithm, bodies, &mut recorder, &mut contacts)
+    detect(algorithm, particles, &mut recorder, &mut contacts)
         .with_context(|| format!("{} refuses the scene", algorithm.name()))?;
     recorder.end();
     let Recorder { steps, parts, tally, all, .. } = recorder;
@@ -142,9 +142,9 @@ pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Resu
     Ok(Trace { algorithm, discs, cells, names, steps, parts, contacts, tally })
 }
 
-fn detect<B: Bodies<f64, 2>>(
+fn detect<B: Particles<f64, 2>>(
     algorithm: Algorithm,
-    bodies: B,
+    particles: B,
     probe: &mut Recorder,
     sink: &mut Vec<[u32; 2]>,
 ) -> Result<(), Refusal> {
@@ -152,9 +152,9 @@ fn detect<B: Bodies<f64, 2>>(
         D::with(Options::default())
     }
     match algorithm {
-        Algorithm::Nbs => with::<Nbs<2>>().detect(bodies, probe, sink),
-        Algorithm::Sorting => with::<Sorting<2>>().detect(bodies, probe, sink),
-        Algorithm::Screening => with::<Screening>().detect(bodies, probe, sink),
-        Algorithm::BinaryTree => with::<BinaryTree>().detect(bodies, probe, sink),
+        Algorithm::Nbs => with::<Nbs<2>>().detect(particles, probe, sink),
+        Algorithm::Sorting => with::<Sorting<2>>().detect(particles, probe, sink),
+        Algorithm::Screening => with::<Screening>().detect(particles, probe, sink),
+        Algorithm::BinaryTree => with::<BinaryTree>().detect(particles, probe, sink),
     }
 }

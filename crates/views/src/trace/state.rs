@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::trace::Algorithm;
-use crate::trace::arrays::{Kind, blocks};
+use crate::trace::arrays::{ArrayKind, blocks};
 use contactbench_ground::probe::event::Event;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,11 +41,11 @@ impl State {
         let mut state = State::default();
         for &(letter, kind, _) in blocks(algorithm) {
             let length = match kind {
-                Kind::Heads(axis) => cells[axis],
-                Kind::Matrix => cells[0] * cells[1],
-                Kind::Particles | Kind::Keys(_) => n,
+                ArrayKind::Heads(axis) => cells[axis],
+                ArrayKind::Matrix => cells[0] * cells[1],
+                ArrayKind::Particles | ArrayKind::Keys(_) => n,
                 // The root.
-                Kind::Nodes => 1,
+                ArrayKind::Nodes => 1,
             };
             state.arrays.insert(letter, vec![Slot::default(); length]);
         }

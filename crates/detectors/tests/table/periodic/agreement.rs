@@ -1,12 +1,12 @@
 //! Every detector finds the truth in every arithmetic, whatever scene it searched before.
 
 use contactbench_detectors::table;
-use contactbench_ground::contact::{Bodies, any_bodies};
+use contactbench_ground::contact::{Particles, any_particles};
 use contactbench_ground::probe::Silent;
 use contactbench_ground::scene::array;
 use contactbench_ground::wide::Level;
 use contactbench_ground::with_scene;
-use contactbench_lists::periodic::frame::Frame;
+use contactbench_lists::periodic::frame::ReducedBox;
 use contactbench_lists::periodic::images::Images;
 
 use super::*;
@@ -84,7 +84,7 @@ fn detectors_find_the_truth_in_space() {
 fn no_further_image_touches_in_a_rounded_arithmetic() {
     fn with_more<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic) -> usize {
         let periodic = bag.periodic();
-        let frame = Frame::<D>::new(periodic.lattice()).unwrap();
+        let frame = ReducedBox::<D>::new(periodic.lattice()).unwrap();
         let n = bag.centres.len();
         let scene = bag.scene();
         let (mut centres, mut radii, mut names) = (Vec::new(), Vec::new(), Vec::new());
@@ -118,10 +118,10 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
             ImagePair::new(i, j, std::array::from_fn(|v| to[v] - from[v]))
         };
         with_scene!(&open, scene => {
-            let bodies = any_bodies(scene, arithmetic.test()).unwrap();
+            let particles = any_particles(scene, arithmetic.test()).unwrap();
             for a in 0..n as u32 {
-                let others = a + 1..bodies.len() as u32;
-                let touching = others.filter(|&b| bodies.touch(a, b, &mut Silent));
+                let others = a + 1..particles.len() as u32;
+                let touching = others.filter(|&b| particles.touch(a, b, &mut Silent));
                 found.extend(touching.map(|b| pair(a, b)));
             }
         });

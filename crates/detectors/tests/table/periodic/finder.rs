@@ -107,9 +107,9 @@ fn images_fit_in_the_formula_bytes() {
                 Arithmetic::F32 => 4,
                 _ => 0,
             };
-            let bodies = 1000 + images;
-            let fixed = 40 * images + 37 * wrapped + each * 8 * bodies;
-            let candidates = bytes - fixed - stored * (3 + each) * bodies;
+            let particles = 1000 + images;
+            let fixed = 40 * images + 37 * wrapped + each * 8 * particles;
+            let candidates = bytes - fixed - stored * (3 + each) * particles;
             assert!(
                 candidates % 32 == 0 && (100..350).contains(&(candidates / 32)),
                 "{candidates}"

@@ -1,6 +1,6 @@
 use contactbench_detectors::oracle::boxes;
 use contactbench_ground::contact::{Arithmetic, Test};
-use contactbench_ground::periodic::Frame;
+use contactbench_ground::periodic::Searchable;
 use contactbench_ground::periodic::{ContactList, ImagePair, Periodic};
 use contactbench_ground::scene::{AnyScene, Lattice, Radii};
 use contactbench_lists::track::Tracker;
@@ -20,7 +20,7 @@ enum Named {
     Anyhow,
 }
 
-struct Course {
+struct Trajectory {
     n: usize,
     edges: [f64; 3],
     tilt: f64,
@@ -32,7 +32,7 @@ struct Course {
     seed: u64,
 }
 
-const TILTED: Course = Course {
+const TILTED: Trajectory = Trajectory {
     n: 60,
     edges: [4.5, 5.0, 4.2],
     tilt: 0.3,
@@ -43,9 +43,9 @@ const TILTED: Course = Course {
     seed: 0,
 };
 
-impl Course {
+impl Trajectory {
     fn frames<const D: usize>(&self) -> Vec<Periodic<'static>> {
-        let Course { n, edges, tilt, open, sizes, sheared, named, seed } = *self;
+        let Trajectory { n, edges, tilt, open, sizes, sheared, named, seed } = *self;
         let mut draw = Draw(seed << 32);
         let mut points = |size: f64| -> Vec<[f64; 3]> {
             (0..n).map(|_| std::array::from_fn(|_| size * draw.symmetric())).collect()
@@ -109,7 +109,7 @@ fn missed(tracker: &mut dyn Tracker, frames: &[Periodic<'_>]) -> [usize; 3] {
         let truth = boxes::truth(frame, Arithmetic::Exact, LIMIT).unwrap().pairs;
         contacts.clear();
         let step =
-            tracker.find(Frame::Boxed(frame, Arithmetic::Exact), None, &mut contacts).unwrap();
+            tracker.find(Searchable::Boxed(frame, Arithmetic::Exact), None, &mut contacts).unwrap();
         let found = contacts.sorted(frame.scene().len(), LIMIT).unwrap();
         assert!(found.windows(2).all(|two| two[0] < two[1]), "one twice");
         assert!(found.iter().all(|pair| truth.binary_search(pair).is_ok()), "one that is not");
@@ -120,7 +120,7 @@ fn missed(tracker: &mut dyn Tracker, frames: &[Periodic<'_>]) -> [usize; 3] {
     [missed, all, built]
 }
 
-fn courses() -> Vec<Course> {
+fn trajectories() -> Vec<Trajectory> {
     let mut all = Vec::new();
     for (k, sheared) in [0.0, 0.02].into_iter().enumerate() {
         for (m, named) in [Named::Onwards, Named::Wrapped, Named::Anyhow].into_iter().enumerate() {
@@ -128,7 +128,7 @@ fn courses() -> Vec<Course> {
                 let (sizes, open) = ((k + m) % 2 == 0, m == k);
                 let tilt = [0.0, 0.3, -0.45][m];
                 let seed = (31 * k + 7 * m + n) as u64;
-                all.push(Course { n, edges, tilt, open, sizes, sheared, named, seed });
+                all.push(Trajectory { n, edges, tilt, open, sizes, sheared, named, seed });
             }
         }
     }
@@ -138,18 +138,18 @@ fn courses() -> Vec<Course> {
 #[test]
 fn safe_rules_miss_nothing_in_boxes() {
     let [mut all, mut frames, mut built] = [0; 3];
-    for course in courses() {
-        let scenes = [course.frames::<2>(), course.frames::<3>()];
+    for trajectory in trajectories() {
+        let scenes = [trajectory.frames::<2>(), trajectory.frames::<3>()];
         for rule in ["half-skin", "top-two", "summed"] {
             for skin in ["0", "0.1", "0.6", "auto"] {
                 let text = format!("verlet(nbs,skin={skin},rule={rule})");
                 for scene in &scenes {
                     let found = missed(&mut *tracker(&text), scene);
-                    let Course { edges, tilt, sheared, named, .. } = &course;
+                    let Trajectory { edges, tilt, sheared, named, .. } = &trajectory;
                     let about = || format!("{text} {edges:?} {tilt} {sheared} {named:?}");
                     assert_eq!(found[0], 0, "{}", about());
                     all += found[1];
-                    if skin == "0.6" && course.sheared == 0.0 {
+                    if skin == "0.6" && trajectory.sheared == 0.0 {
                         frames += scene.len();
                         built += found[2];
                     }
@@ -165,7 +165,7 @@ fn safe_rules_miss_nothing_in_boxes() {
 /// Which images are given does not affect how long a list serves.
 #[test]
 fn lists_serve_as_long_for_any_image_of_a_particle() {
-    let of = |named| Course { named, seed: 9, ..TILTED };
+    let of = |named| Trajectory { named, seed: 9, ..TILTED };
     let built = [Named::Onwards, Named::Wrapped, Named::Anyhow].map(|named| {
         let [_, _, built] = missed(&mut *tracker("verlet(nbs,skin=0.3)"), &of(named).frames::<3>());
         built
@@ -210,7 +210,7 @@ fn corners_that_move_do_not_end_a_list() {
 /// not have the nearest coordinates in fractions of the box.
 #[test]
 fn lists_serve_in_boxes_that_are_tilted_far() {
-    let of = |tilt, named| Course { tilt, named, seed: 23, ..TILTED };
+    let of = |tilt, named| Trajectory { tilt, named, seed: 23, ..TILTED };
     // A box at rest never flips.
     for tilt in [0.45, -0.49] {
         for named in [Named::Wrapped, Named::Anyhow] {
@@ -269,7 +269,7 @@ fn pairs_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
             let mut step = |frame| {
                 contacts.clear();
                 let step = tracker
-                    .find(Frame::Boxed(frame, Arithmetic::Exact), None, &mut contacts)
+                    .find(Searchable::Boxed(frame, Arithmetic::Exact), None, &mut contacts)
                     .unwrap();
                 (step.listed, contacts.sorted(2, LIMIT).unwrap())
             };
@@ -292,7 +292,7 @@ fn trackers_refuse_rounded_arithmetic_in_boxes() {
     let mut contacts = ContactList::default();
     let mut step = |text: &str, arithmetic| {
         contacts.clear();
-        let step = tracker(text).find(Frame::Boxed(&boxed, arithmetic), None, &mut contacts);
+        let step = tracker(text).find(Searchable::Boxed(&boxed, arithmetic), None, &mut contacts);
         step.map(|_| contacts.len()).map_err(|refusal| refusal.to_string())
     };
     assert_eq!(step("every-step(nbs)", Arithmetic::F32), Ok(2));
@@ -305,8 +305,9 @@ fn trackers_refuse_rounded_arithmetic_in_boxes() {
         let step = tracker.step(&scene, Test::Exact, None, &mut pairs).unwrap();
         assert!(step.built && pairs.is_empty());
         let mut contacts = ContactList::default();
-        let step =
-            tracker.find(Frame::Boxed(&boxed, Arithmetic::Exact), None, &mut contacts).unwrap();
+        let step = tracker
+            .find(Searchable::Boxed(&boxed, Arithmetic::Exact), None, &mut contacts)
+            .unwrap();
         assert!(step.built && contacts.shifted.len() == 2, "{contacts:?}");
         contacts.shifted.sort();
         assert_eq!(contacts.shifted[0], ImagePair { i: 0, j: 0, image: [0, 1, 0] });

@@ -7,7 +7,7 @@ use contactbench_ground::contact::{Arithmetic, Test};
 use contactbench_ground::detect::Options;
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::pairs::normalise::normalise;
-use contactbench_ground::periodic::Frame;
+use contactbench_ground::periodic::Searchable;
 use contactbench_ground::periodic::{ContactList, Periodic};
 use contactbench_ground::scene::{AnyScene, Lattice, Radii};
 use contactbench_lists::track::{Step, Tracker};
@@ -286,7 +286,8 @@ fn a_box_so_long_that_rounding_exceeds_the_radii_has_no_list() {
             let (mut tracker, mut built) = (tracker(name), 0);
             for _ in 0..3 {
                 let mut found = ContactList::default();
-                let step = tracker.find(Frame::Boxed(&frame, Arithmetic::Exact), None, &mut found);
+                let step =
+                    tracker.find(Searchable::Boxed(&frame, Arithmetic::Exact), None, &mut found);
                 let step = step.unwrap();
                 built += usize::from(step.built);
                 assert_eq!(found.sorted(12, 1 << 20).unwrap(), truth, "{length}, {name}");

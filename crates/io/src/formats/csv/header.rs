@@ -11,7 +11,7 @@ use crate::rows::is_decimal_comma;
 use crate::types::{Declared, Notice, assumed};
 
 #[derive(Default)]
-pub(super) struct Table {
+pub(super) struct Header {
     pub columns: Columns,
     pub place: String,
     pub separator: Separator,
@@ -35,7 +35,7 @@ struct Comments {
     notices: Vec<Notice>,
 }
 
-pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Table> {
+pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Header> {
     let mut comments = Comments::default();
     let more = loop {
         if !lines.advance_over_blanks()? {
@@ -52,7 +52,7 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Ta
         // A comment that names columns is the header of a table without rows.
         let columns = comments.columns.take();
         let columns = columns.with_context(|| format!("{} is empty", lines.source.name))?;
-        Table { columns, ..Table::default() }
+        Header { columns, ..Header::default() }
     };
     table.format = if comments.format || comments.edges.is_some() { "YADE text" } else { "CSV" };
     table.place = lines.place();
@@ -124,12 +124,16 @@ fn named(header: &[u8]) -> Columns {
     Columns::named(cells.map(decoded))
 }
 
-fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> anyhow::Result<Table> {
+fn named_by(
+    lines: &Lines<'_>,
+    comments: &mut Comments,
+    options: Options,
+) -> anyhow::Result<Header> {
     let (place, whole) = (lines.place(), uncommented(lines.line()));
     let separator = Separator::guess(whole);
     let line = separator.shorn(whole);
     let trailing = line.len() != whole.len();
-    let table = Table { separator, trailing, ..Table::default() };
+    let table = Header { separator, trailing, ..Header::default() };
     let count = separator.cells(line).count();
     let is_number = |cell: &[u8]| number(cell).is_some();
     let numeric = separator.cells(line).all(is_number);
@@ -139,14 +143,14 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
     });
     if let Some(columns) = of_comment.filter(|_| numeric || comments.format) {
         // YADE writes names of materials next to the numbers.
-        return Ok(Table { columns, is_row: true, ..table });
+        return Ok(Header { columns, is_row: true, ..table });
     }
     let at = |k: usize| separator.cells(line).nth(k).is_some_and(is_number);
     let by_numbers = options.columns.and_then(|chosen| chosen.numbers());
     if numeric || by_numbers.is_some_and(|places| places.into_iter().all(at)) {
         let columns = unnamed(count, options, comments.edges.is_some(), &place)?;
         let assumed = !options.axes_chosen() && comments.edges.is_none();
-        return Ok(Table { columns, assumed, is_row: true, ..table });
+        return Ok(Header { columns, assumed, is_row: true, ..table });
     }
     let commas = separator != Separator::Blanks && words(line).all(is_decimal_comma);
     ensure!(!commas, "{place}: the numbers have decimal commas: write points");
@@ -163,12 +167,12 @@ fn named_by(lines: &Lines<'_>, comments: &mut Comments, options: Options) -> any
         |header: Columns| header.chosen("", options.columns).is_ok_and(|it| it.has_places());
     if in_cut && (of_text == separator || !sound(header.clone())) {
         let columns = named(text).chosen(&place, options.columns)?;
-        return Ok(Table { columns, separator: of_text, ..table });
+        return Ok(Header { columns, separator: of_text, ..table });
     }
     let numbers = separator.cells(line).filter(|cell| is_number(cell)).count();
     let sound_names = header.has_places() || numbers < 2;
     ensure!(sound_names, "{place}: numbers stand where the columns are named; {ASSIGN}");
-    Ok(Table { columns: header.chosen(&place, options.columns)?, ..table })
+    Ok(Header { columns: header.chosen(&place, options.columns)?, ..table })
 }
 
 const ASSIGN: &str =

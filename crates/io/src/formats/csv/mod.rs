@@ -21,7 +21,7 @@ mod split;
 use anyhow::{bail, ensure};
 
 use crate::columns::Columns;
-use crate::formats::csv::header::Table;
+use crate::formats::csv::header::Header;
 use crate::frames::{Choice, Reader, Step};
 use crate::options::{Opened, Options};
 use crate::particles::{Loaded, Particles, loaded};
@@ -36,7 +36,7 @@ struct Csv<'a> {
     lines: Lines<'a>,
     options: Options,
     /// The table as its first lines describe it; `None` before they are read.
-    table: Option<Table>,
+    table: Option<Header>,
 }
 
 impl Reader<Loaded> for Csv<'_> {
@@ -74,7 +74,7 @@ impl Reader<Loaded> for Csv<'_> {
     }
 }
 
-impl Table {
+impl Header {
     fn rows(
         &mut self,
         lines: &mut Lines<'_>,

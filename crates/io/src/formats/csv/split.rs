@@ -14,16 +14,16 @@ use crate::raw::lines::{Lines, among, number, short, shown, step_of};
 use crate::types::{Notice, assumed};
 
 /// Names of splitting columns, in lower case and without signs.
-const NAMES: [(Kind, &str); 3] = [
-    (Kind::Frame, "frame frames frameno framenumber frameid frameindex iframe snapshot snap"),
-    (Kind::Step, "timestep step steps stepno timestepindex iteration iter tstep"),
-    (Kind::Time, "time t times"),
+const NAMES: [(BlockKind, &str); 3] = [
+    (BlockKind::Frame, "frame frames frameno framenumber frameid frameindex iframe snapshot snap"),
+    (BlockKind::Step, "timestep step steps stepno timestepindex iteration iter tstep"),
+    (BlockKind::Time, "time t times"),
 ];
 /// Names of columns that are read as ids if no column is named id.
 const IDS: &str = "particle particleid pid trackid atomid bodyid";
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+enum BlockKind {
     Frame,
     Step,
     Time,
@@ -34,7 +34,7 @@ fn plain(name: &str) -> String {
     name.chars().filter(|c| !" _-.:#".contains(*c)).collect()
 }
 
-fn kind(name: &str) -> Option<Kind> {
+fn kind(name: &str) -> Option<BlockKind> {
     let name = plain(name);
     NAMES.iter().find(|(_, names)| among(names, &name)).map(|(kind, _)| *kind)
 }
@@ -92,19 +92,21 @@ impl Blocks {
     }
 }
 
-fn place(columns: &Columns, of: Kind) -> Option<usize> {
+fn place(columns: &Columns, of: BlockKind) -> Option<usize> {
     let mut all = columns.names.iter().zip(&columns.meaning);
     all.position(|(name, meaning)| *meaning == Column::Other && kind(name) == Some(of))
 }
 
 pub(super) fn by_name(columns: &Columns) -> Option<usize> {
-    [Kind::Frame, Kind::Step, Kind::Time].into_iter().find_map(|kind| place(columns, kind))
+    [BlockKind::Frame, BlockKind::Step, BlockKind::Time]
+        .into_iter()
+        .find_map(|kind| place(columns, kind))
 }
 
 pub(super) struct Split {
     pub column: usize,
     name: String,
-    kind: Kind,
+    kind: BlockKind,
     /// Whether the column is named t or time and was not chosen. Such a column may hold a different
     /// value in each row.
     doubtful: bool,
@@ -123,8 +125,8 @@ impl Split {
         let is_free = columns.meaning[column] == Column::Other;
         ensure!(is_free, "the column '{}' cannot hold the frames, too", short(&name));
         let chosen = options.columns.is_some_and(|chosen| chosen.by_frame());
-        let kind = kind(&name).unwrap_or(Kind::Frame);
-        let beside = [Kind::Step, Kind::Time]
+        let kind = kind(&name).unwrap_or(BlockKind::Frame);
+        let beside = [BlockKind::Step, BlockKind::Time]
             .map(|it| place(columns, it).filter(|&k| k != column).map(|k| (k, None)));
         if !columns.meaning.contains(&Column::Id) && !options.axes_chosen() {
             let is_id = |name: &String| among(IDS, &plain(name));
@@ -134,7 +136,7 @@ impl Split {
                 *meaning = Column::Id;
             }
         }
-        let doubtful = kind == Kind::Time && !chosen;
+        let doubtful = kind == BlockKind::Time && !chosen;
         let (value, rows, order) = (Vec::new(), 0, None);
         Ok(Split { column, name, kind, doubtful, value, rows, order, beside })
     }
@@ -189,16 +191,16 @@ impl Split {
     pub fn step(&self) -> Option<i64> {
         let beside = self.beside[0].as_ref().and_then(|(_, value)| value.as_deref());
         match self.kind {
-            Kind::Time => beside.and_then(step_of),
-            Kind::Step => step_of(&self.value),
-            Kind::Frame => step_of(beside.unwrap_or(&self.value)),
+            BlockKind::Time => beside.and_then(step_of),
+            BlockKind::Step => step_of(&self.value),
+            BlockKind::Frame => step_of(beside.unwrap_or(&self.value)),
         }
     }
 
     pub fn time(&self) -> Option<f64> {
         let beside = self.beside[1].as_ref().and_then(|(_, value)| value.as_deref());
         match self.kind {
-            Kind::Time => number(&self.value),
+            BlockKind::Time => number(&self.value),
             _ => beside.and_then(number),
         }
         .filter(|time| time.is_finite())
@@ -206,7 +208,7 @@ impl Split {
 
     /// Returns a notice if the frame number in the file is not `index`.
     pub fn notices(&self, index: u64) -> Option<Notice> {
-        let value = step_of(&self.value).filter(|_| self.kind == Kind::Frame)?;
+        let value = step_of(&self.value).filter(|_| self.kind == BlockKind::Frame)?;
         let other = u64::try_from(value).ok() != Some(index);
         other.then(|| {
             let name = short(&self.name);

@@ -6,14 +6,14 @@ use super::Header;
 use crate::columns::{Column, Columns};
 use crate::options::Options;
 use crate::raw::lines::{Source, short};
-use crate::raw::scalars::Kind;
+use crate::raw::scalars::Scalar;
 use crate::rows::Rows;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Field {
     pub name: String,
     /// Number type, and whether it is big-endian; `None` if the field is not a supported number.
-    number: Option<(Kind, bool)>,
+    number: Option<(Scalar, bool)>,
     width: usize,
 }
 
@@ -59,7 +59,7 @@ fn quoted(text: &str) -> Option<(&str, &str)> {
 }
 
 /// Returns how a field of this type is read (`None` if it is not a number), and its size in bytes.
-fn width(kind: &str) -> Option<(Option<(Kind, bool)>, usize)> {
+fn width(kind: &str) -> Option<(Option<(Scalar, bool)>, usize)> {
     let number = super::header::kind_of(kind);
     if let Some((kind, _)) = number {
         return Some((number, kind.width()));

@@ -7,7 +7,7 @@ use anyhow::{Context, bail, ensure};
 use super::fields::{self, Field};
 use crate::raw::lines::{Source, short};
 use crate::raw::room::room_for;
-use crate::raw::scalars::Kind;
+use crate::raw::scalars::Scalar;
 
 pub const MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -32,7 +32,7 @@ impl Source<'_> {
 
 #[derive(Debug)]
 pub(crate) struct Header {
-    pub kind: Kind,
+    pub kind: Scalar,
     pub descr: String,
     pub big: bool,
     pub fortran: bool,
@@ -70,7 +70,7 @@ impl Header {
     }
 
     pub fn is_real(&self) -> bool {
-        matches!(self.kind, Kind::F64 | Kind::F32)
+        matches!(self.kind, Scalar::F64 | Scalar::F32)
     }
 
     /// Whether the numbers are stored in an order other than that of their rows.
@@ -173,7 +173,7 @@ impl Header {
             }
             numbers.clear();
             match (self.kind, self.big) {
-                (Kind::F64, false) => {
+                (Scalar::F64, false) => {
                     let words = bytes.as_chunks().0;
                     numbers.extend(words.iter().map(|word| f64::from_le_bytes(*word)));
                 }
@@ -269,7 +269,7 @@ fn parse(text: &str) -> anyhow::Result<Header> {
     };
     let inner = descr.trim_matches(['\'', '"']);
     let (kind, big) = match kind_of(inner) {
-        _ if !fields.is_empty() => (Kind::U8, false),
+        _ if !fields.is_empty() => (Scalar::U8, false),
         Some(kind) => kind,
         None => bail!("the type {descr} is not read; convert with .astype('f8')"),
     };
@@ -302,8 +302,8 @@ fn parse(text: &str) -> anyhow::Result<Header> {
 }
 
 /// Returns the number type of a `descr` such as `<f8`, and whether it is big-endian.
-pub(super) fn kind_of(descr: &str) -> Option<(Kind, bool)> {
-    let kind = Kind::coded(descr.get(1..)?)?;
+pub(super) fn kind_of(descr: &str) -> Option<(Scalar, bool)> {
+    let kind = Scalar::coded(descr.get(1..)?)?;
     match descr.as_bytes()[0] {
         // Single bytes have no byte order.
         b'<' | b'|' => Some((kind, false)),

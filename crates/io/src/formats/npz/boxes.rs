@@ -14,11 +14,11 @@ const FLAGS: &str = "pbc periodic periodicity";
 
 #[derive(Default)]
 pub(super) struct Cell {
-    vectors: Option<Found>,
+    vectors: Option<BoxArray>,
     periodic: Option<[bool; 3]>,
 }
 
-struct Found {
+struct BoxArray {
     values: Vec<f64>,
     shape: Vec<u64>,
     label: String,
@@ -59,11 +59,11 @@ impl Cell {
             });
             return Ok(());
         }
-        if let Some(Found { label: other, .. }) = &self.vectors {
+        if let Some(BoxArray { label: other, .. }) = &self.vectors {
             bail!("{place}: '{}' and '{other}' are both the box; give --box", short(label));
         }
         let label = short(label);
-        self.vectors = Some(Found { values, shape, label });
+        self.vectors = Some(BoxArray { values, shape, label });
         Ok(())
     }
 
@@ -77,7 +77,7 @@ impl Cell {
         notices: &mut Vec<Notice>,
     ) -> anyhow::Result<Option<Declared>> {
         let periodic = self.periodic;
-        let Some(Found { values, shape, label }) = &self.vectors else {
+        let Some(BoxArray { values, shape, label }) = &self.vectors else {
             return Ok(periodic.map(|_| Declared { periodic, ..Declared::default() }));
         };
         if options.boundaries.open || options.boundaries.edges.is_some() {

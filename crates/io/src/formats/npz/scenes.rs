@@ -14,7 +14,7 @@ use crate::particles::sizes::{Ids, Size, one_of};
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
 use crate::raw::lines::{Source, short};
 use crate::raw::room::{room, room_for};
-use crate::raw::scalars::Kind;
+use crate::raw::scalars::Scalar;
 use crate::types::{About, Notice, RadiusSource};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
@@ -208,7 +208,7 @@ impl Scenes {
 
 /// Whether the array has sizes. Bytes named r are colours (red), unless they are chosen.
 fn is_size(header: &Header, label: &str, options: Options) -> bool {
-    options.sizes_chosen() || header.kind != Kind::U8 || !label.eq_ignore_ascii_case("r")
+    options.sizes_chosen() || header.kind != Scalar::U8 || !label.eq_ignore_ascii_case("r")
 }
 
 /// Returns the sizes of one frame. The array has one size in all, one per particle, or one per

@@ -10,7 +10,7 @@ use crate::particles::sizes::{Ids, Size, one_of};
 use crate::particles::{Centres, Loaded, Particles, loaded, unused_sizes};
 use crate::raw::lines::{Source, short};
 use crate::raw::room::room;
-use crate::raw::scalars::Kind;
+use crate::raw::scalars::Scalar;
 use crate::types::{Notice, RadiusSource, assumed};
 use contactbench_terms::number::plural;
 
@@ -121,7 +121,7 @@ impl Target {
     pub fn take(
         &mut self,
         source: &mut Source<'_>,
-        kind: Kind,
+        kind: Scalar,
         count: u64,
     ) -> anyhow::Result<bool> {
         let width = kind.width();
@@ -168,13 +168,13 @@ impl Arrays {
         &mut self,
         of: Of,
         label: &str,
-        kind: Kind,
+        kind: Scalar,
         components: u64,
         options: Options,
     ) -> anyhow::Result<Target> {
         let (column, of_points) = (Chosen::meaning(options.columns, label), of == Of::Points);
         // Bytes named r are colours (red), not radii.
-        let red = label.eq_ignore_ascii_case("r") && kind == Kind::U8 && !options.sizes_chosen();
+        let red = label.eq_ignore_ascii_case("r") && kind == Scalar::U8 && !options.sizes_chosen();
         let is_size = column.is_size() && !red;
         let one = components == 1 || of == Of::Nothing || !(is_size && options.sizes_chosen());
         ensure!(one, "'{}' has {components} numbers for each; a size is one number", short(label));

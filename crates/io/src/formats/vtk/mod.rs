@@ -12,7 +12,7 @@ use anyhow::{Context, bail, ensure};
 use crate::options::Options;
 use crate::particles::Loaded;
 use crate::raw::lines::{Lines, Source, among, number, short, shown, texts, words};
-use crate::raw::scalars::Kind;
+use crate::raw::scalars::Scalar;
 use arrays::{Arrays, Cells, Of, Target};
 
 pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
@@ -96,7 +96,7 @@ impl Vtk<'_> {
             }
             ("CELL_TYPES", [n, ..]) => {
                 let n = self.count(n, "the number of cells")?;
-                self.array(Target::Types(Cells::default()), Kind::I32, n, "CELL_TYPES")?;
+                self.array(Target::Types(Cells::default()), Scalar::I32, n, "CELL_TYPES")?;
             }
             ("CELLS" | "VERTICES" | "LINES" | "POLYGONS" | "TRIANGLE_STRIPS", [n, size]) => {
                 self.cells(n, size, first)?
@@ -131,7 +131,7 @@ impl Vtk<'_> {
             }
             ("LOOKUP_TABLE", [_, n]) => {
                 let n = self.count(n, "the size of a table")?;
-                let kind = if self.binary { Kind::U8 } else { Kind::F64 };
+                let kind = if self.binary { Scalar::U8 } else { Scalar::F64 };
                 self.array(Target::Nothing, kind, 4 * n, "LOOKUP_TABLE")?;
             }
             _ => bail!(
@@ -159,8 +159,8 @@ impl Vtk<'_> {
         self.lines.count(text.as_bytes(), what)
     }
 
-    fn kind(&self, name: &str) -> anyhow::Result<Kind> {
-        Kind::named(name).with_context(|| {
+    fn kind(&self, name: &str) -> anyhow::Result<Scalar> {
+        Scalar::named(name).with_context(|| {
             let (place, name) = (self.lines.place(), short(name));
             format!("{place}: numbers of type '{name}' are not read; write float or double")
         })
@@ -169,7 +169,7 @@ impl Vtk<'_> {
     fn array(
         &mut self,
         mut target: Target,
-        kind: Kind,
+        kind: Scalar,
         count: u64,
         what: &str,
     ) -> anyhow::Result<()> {
@@ -247,7 +247,7 @@ impl Vtk<'_> {
             _ => Target::Nothing,
         };
         if old {
-            return self.array(target, Kind::I32, size, what);
+            return self.array(target, Scalar::I32, size, what);
         }
         for (label, count, target) in
             [("OFFSETS", n, Target::Nothing), ("CONNECTIVITY", size, target)]

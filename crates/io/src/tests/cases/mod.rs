@@ -158,7 +158,7 @@ fn frame(particles: Particles, about: &About, options: Options, out: &mut String
 
 fn particles(bytes: &[u8], ending: &str, options: Options) -> String {
     let mut out = String::new();
-    let read = if options.frame == Frame::All {
+    let read = if options.frame == FrameChoice::All {
         frames_from(bytes, "p", ending, options, |frames| {
             for next in frames {
                 let (particles, about) = next?;
@@ -174,7 +174,7 @@ fn particles(bytes: &[u8], ending: &str, options: Options) -> String {
     out
 }
 
-fn lists(bytes: &[u8], columns: &[&str], frame: Frame) -> String {
+fn lists(bytes: &[u8], columns: &[&str], frame: FrameChoice) -> String {
     let mut out = String::new();
     let list = |list: pairs::List, out: &mut String| {
         if list.frame.is_some() {
@@ -190,7 +190,7 @@ fn lists(bytes: &[u8], columns: &[&str], frame: Frame) -> String {
         writeln!(out, "= {}: {}", list.format, rows.join(" | ")).unwrap();
     };
     let read = pairs::lists_from(bytes, "p", columns, frame, |lists| {
-        if frame != Frame::All {
+        if frame != FrameChoice::All {
             return lists.chosen().map(|it| list(it, &mut out));
         }
         for next in lists {

@@ -12,7 +12,7 @@ use contactbench_terms::arithmetic::Arithmetic;
 use contactbench_terms::errors::Errors;
 
 #[derive(Clone, Debug, PartialEq)]
-pub enum Answer {
+pub enum CellAnswer {
     Right,
     /// The detector is defective: its answer is not that of its own arithmetic.
     Defect(Option<Errors>),
@@ -23,37 +23,37 @@ pub enum Answer {
     Without(Outcome),
 }
 
-impl Answer {
-    pub fn new(cell: &Cell) -> Answer {
+impl CellAnswer {
+    pub fn new(cell: &Cell) -> CellAnswer {
         match (cell.overall().0, cell.errors) {
-            (Outcome::Wrong, errors) => Answer::Defect(errors),
-            (Outcome::Refused, _) => Answer::Refused,
-            (Outcome::Lossy, Some(errors)) => Answer::Lossy(errors),
-            (Outcome::Ok, Some(errors)) if errors.wrong() == 0 => Answer::Right,
-            (Outcome::Ok, Some(errors)) => Answer::Wrong(errors),
-            (outcome, _) => Answer::Without(outcome),
+            (Outcome::Wrong, errors) => CellAnswer::Defect(errors),
+            (Outcome::Refused, _) => CellAnswer::Refused,
+            (Outcome::Lossy, Some(errors)) => CellAnswer::Lossy(errors),
+            (Outcome::Ok, Some(errors)) if errors.wrong() == 0 => CellAnswer::Right,
+            (Outcome::Ok, Some(errors)) => CellAnswer::Wrong(errors),
+            (outcome, _) => CellAnswer::Without(outcome),
         }
     }
 
     pub fn word(&self) -> &'static str {
         match self {
-            Answer::Right => "right",
-            Answer::Defect(_) | Answer::Wrong(_) => "wrong",
-            Answer::Lossy(_) => "lossy",
-            Answer::Refused => "refused",
-            Answer::Without(_) => "no answer",
+            CellAnswer::Right => "right",
+            CellAnswer::Defect(_) | CellAnswer::Wrong(_) => "wrong",
+            CellAnswer::Lossy(_) => "lossy",
+            CellAnswer::Refused => "refused",
+            CellAnswer::Without(_) => "no answer",
         }
     }
 
     /// Orders answers of several seeds; the one with the largest weight is shown.
     fn weight(&self) -> (u8, u64) {
         match self {
-            Answer::Right => (0, 0),
-            Answer::Refused => (1, 0),
-            Answer::Lossy(errors) => (2, errors.wrong()),
-            Answer::Wrong(errors) => (3, errors.wrong()),
-            Answer::Without(_) => (4, 0),
-            Answer::Defect(errors) => (5, errors.map_or(0, |errors| errors.wrong())),
+            CellAnswer::Right => (0, 0),
+            CellAnswer::Refused => (1, 0),
+            CellAnswer::Lossy(errors) => (2, errors.wrong()),
+            CellAnswer::Wrong(errors) => (3, errors.wrong()),
+            CellAnswer::Without(_) => (4, 0),
+            CellAnswer::Defect(errors) => (5, errors.map_or(0, |errors| errors.wrong())),
         }
     }
 }
@@ -101,13 +101,13 @@ impl Matrix {
         let cells = judged(cells);
         let swept = label::swept(&cells);
         // Of several seeds, the answer with the largest weight counts.
-        let mut answers: BTreeMap<Place<'_>, Answer> = BTreeMap::new();
+        let mut answers: BTreeMap<Place<'_>, CellAnswer> = BTreeMap::new();
         let mut totals: BTreeMap<(&str, &str), u64> = BTreeMap::new();
         for cell in &cells {
-            let (id, answer) = (&cell.id, Answer::new(cell));
+            let (id, answer) = (&cell.id, CellAnswer::new(cell));
             *totals.entry((&id.arithmetic, answer.word())).or_default() += 1;
             let place = (case(id, &swept), id.dim, &*id.arithmetic, &*id.detector);
-            let known = answers.entry(place).or_insert(Answer::Right);
+            let known = answers.entry(place).or_insert(CellAnswer::Right);
             if answer.weight() > known.weight() {
                 *known = answer;
             }
@@ -151,7 +151,7 @@ impl CaseLine {
 }
 
 /// Returns a line for each dimension; dimensions with equal answers share one.
-fn case_lines(own: &[(&Place<'_>, &Answer)], arithmetics: &[&str]) -> Vec<CaseLine> {
+fn case_lines(own: &[(&Place<'_>, &CellAnswer)], arithmetics: &[&str]) -> Vec<CaseLine> {
     let mut found: Vec<CaseLine> = Vec::new();
     for own in own.chunk_by(|a, b| a.0.1 == b.0.1) {
         let ((case, _), dim) = (&own[0].0.0, own[0].0.1);
@@ -185,23 +185,23 @@ pub fn case(key: &CellId, swept: &[String]) -> Case {
 
 /// Returns `right`, or detectors with their errors, such as `nbs, sorting: -3 +1` and `all but
 /// direct: refused`. An entry without names means all detectors.
-fn who(answers: &[(&str, &Answer)]) -> Vec<String> {
+fn who(answers: &[(&str, &CellAnswer)]) -> Vec<String> {
     let all: Vec<&str> = answers.iter().map(|(name, _)| *name).collect();
     let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
     for (detector, answer) in answers {
         let words = match answer {
-            Answer::Right => continue,
-            Answer::Defect(Some(errors)) if errors.wrong() > 0 => {
+            CellAnswer::Right => continue,
+            CellAnswer::Defect(Some(errors)) if errors.wrong() > 0 => {
                 format!("DEFECT {}", said(errors))
             }
             // Numbers would mislead: errors of the detector and of the arithmetic may cancel.
-            Answer::Defect(_) => "DEFECT".into(),
-            Answer::Wrong(errors) => said(errors),
+            CellAnswer::Defect(_) => "DEFECT".into(),
+            CellAnswer::Wrong(errors) => said(errors),
             // A pair that the filter lost need not touch in exact arithmetic.
-            Answer::Lossy(errors) => format!("lossy {}", said(errors)).trim_end().into(),
-            Answer::Refused => "refused".into(),
-            Answer::Without(outcome) if outcome.is_good() => "not compared".into(),
-            Answer::Without(outcome) => outcome.name().into(),
+            CellAnswer::Lossy(errors) => format!("lossy {}", said(errors)).trim_end().into(),
+            CellAnswer::Refused => "refused".into(),
+            CellAnswer::Without(outcome) if outcome.is_good() => "not compared".into(),
+            CellAnswer::Without(outcome) => outcome.name().into(),
         };
         match groups.iter_mut().find(|(known, _)| *known == words) {
             Some((_, names)) => names.push(detector),

@@ -102,8 +102,8 @@ fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
 
 pub fn failures(cells: &[&Cell]) -> Vec<Failure> {
     // Maps name, scene and outcome to n and reason of each cell.
-    type Found<'a> = BTreeMap<(String, String, Outcome), Vec<(u64, &'a str)>>;
-    let mut found: Found = BTreeMap::new();
+    type ByCase<'a> = BTreeMap<(String, String, Outcome), Vec<(u64, &'a str)>>;
+    let mut found: ByCase = BTreeMap::new();
     let called = series::labels(cells);
     for cell in cells {
         let (outcome, reason) = cell.overall();

@@ -1,7 +1,7 @@
 use crate::document::{Block, Text};
 use crate::table::Table;
 use contactbench_record::cells::{Cell as Measured, label};
-use contactbench_record::findings::claim::verdicts::{Answer, CaseLine, Matrix, case, judged};
+use contactbench_record::findings::claim::verdicts::{CaseLine, CellAnswer, Matrix, case, judged};
 use contactbench_record::record::column;
 use contactbench_terms::number::plural;
 
@@ -73,7 +73,7 @@ pub fn rows(cells: &[&Measured]) -> Table {
         .left("seed", |cell| cell.id.seed)
         .left("detector", |cell| &*cell.id.detector)
         .left("arithmetic", |cell| &*cell.id.arithmetic)
-        .left("answer", |cell| Answer::new(cell).word())
+        .left("answer", |cell| CellAnswer::new(cell).word())
         .left("outcome", |cell| cell.overall().0.name())
         .left("reason", |cell| cell.overall().1)
         .each(["contacts", "true_contacts"].into_iter().chain(errors), |table, name| {

@@ -15,7 +15,7 @@ use contactbench_ground::periodic::Loaded;
 use contactbench_ground::periodic::{ContactList, ImagePair};
 use contactbench_io::Given;
 
-pub(super) struct Frame<'a> {
+pub(super) struct JudgedFrame<'a> {
     pub given: Cow<'a, Given>,
     boxed: Option<Rc<Loaded<'static>>>,
     memory_limit: u64,
@@ -73,11 +73,11 @@ impl Differs {
     }
 }
 
-impl<'a> Frame<'a> {
+impl<'a> JudgedFrame<'a> {
     /// A list of contacts may use `memory_limit` bytes. Fails if the box does not fit `given`.
-    pub fn new(given: Cow<'a, Given>, memory_limit: u64) -> anyhow::Result<Frame<'a>> {
+    pub fn new(given: Cow<'a, Given>, memory_limit: u64) -> anyhow::Result<JudgedFrame<'a>> {
         let boxed = given.periodic()?.map(|periodic| Rc::new(Loaded::InBox(periodic)));
-        Ok(Frame { given, boxed, memory_limit, known: HashMap::new() })
+        Ok(JudgedFrame { given, boxed, memory_limit, known: HashMap::new() })
     }
 
     /// Compares the sorted contacts of an answer with the truth. `None` stands for an answer that

@@ -8,12 +8,12 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use anyhow::Context;
-use frame::{Differs, Frame, Truths};
+use frame::{Differs, JudgedFrame, Truths};
 
-use crate::moving::{Builds, Late, Moved, Survey};
 use crate::run::machine::interrupt;
 use crate::run::runner::protocol::Found;
 use crate::run::runner::trajectory::Trajectory;
+use crate::tracking::{Builds, Late, Moved, Survey};
 use crate::truth::depth;
 use contactbench_detectors::oracle::{Causes, Errors, NoTruth};
 use contactbench_ground::contact::Arithmetic;
@@ -29,7 +29,7 @@ pub struct Judge<'a> {
     /// The files of the frames; `None` for a scene at rest, which stays in memory.
     trajectory: Option<Trajectory>,
     memory_limit: u64,
-    frame: Option<(usize, Frame<'a>)>,
+    frame: Option<(usize, JudgedFrame<'a>)>,
     right: Known<Rc<[Right]>>,
     /// Verdicts on earlier answers, which timed samples often repeat.
     seen: HashMap<(Arithmetic, String, u64, u64), (Judged, Tracked)>,
@@ -152,7 +152,7 @@ impl<'a> Judge<'a> {
     /// Judges a scene at rest. A list of contacts may use `memory_limit` bytes. Fails if the box
     /// does not fit the scene.
     pub fn new(given: &'a Given, memory_limit: u64) -> anyhow::Result<Judge<'a>> {
-        let frame = Frame::new(Cow::Borrowed(given), memory_limit)?;
+        let frame = JudgedFrame::new(Cow::Borrowed(given), memory_limit)?;
         Ok(Judge { frame: Some((0, frame)), ..Judge::of(None, memory_limit) })
     }
 
@@ -303,14 +303,14 @@ impl<'a> Judge<'a> {
         Ok(all)
     }
 
-    fn frame(&mut self, k: usize) -> anyhow::Result<&mut Frame<'a>> {
+    fn frame(&mut self, k: usize) -> anyhow::Result<&mut JudgedFrame<'a>> {
         if let Some(trajectory) = &self.trajectory
             && self.frame.as_ref().is_none_or(|(last, _)| *last != k)
         {
             // Only one frame is in memory at a time.
             self.frame = None;
             let given = Cow::Owned(trajectory.read_frame(k)?);
-            self.frame = Some((k, Frame::new(given, self.memory_limit)?));
+            self.frame = Some((k, JudgedFrame::new(given, self.memory_limit)?));
         }
         self.frame.as_mut().map(|(_, frame)| frame).context("there is no frame")
     }

@@ -7,12 +7,12 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
-use crate::moving::Moved;
 use crate::run::judge::{Judge, Judged, Said, Tracked};
 use crate::run::runner::client::{Client, Failure, Start};
 use crate::run::runner::protocol::{Hello, Reply, Request, Sample};
 use crate::run::runner::trajectory::Trajectory;
 use crate::run::stage::passes::astray;
+use crate::tracking::Moved;
 use contactbench_io::Given;
 use contactbench_record::record::row::Outcome;
 use contactbench_scenes::motion::Frames;

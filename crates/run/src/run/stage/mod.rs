@@ -14,7 +14,6 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Instant;
 
-use crate::moving::Moved;
 use crate::plan::memory_limit;
 use crate::run::machine::interrupt;
 use crate::run::machine::load::Watch;
@@ -24,6 +23,7 @@ use crate::run::runner::client::Failure;
 use crate::run::stage::bench::{Bench, race};
 use crate::run::stage::passes::Running;
 use crate::run::subject::{Subject, subjects};
+use crate::tracking::Moved;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::scene::SceneError;
 use contactbench_io::Given;
@@ -41,7 +41,7 @@ use contactbench_scenes::stats::Stats;
 use contactbench_terms::mix::splitmix64;
 
 /// The fastest detector of a scene, and the runner-up.
-pub struct Found {
+pub struct Winner {
     pub scene: String,
     pub fastest: String,
     /// Median time of the fastest, in nanoseconds per particle.
@@ -55,13 +55,13 @@ pub struct Found {
     pub right: usize,
 }
 
-impl Found {
+impl Winner {
     /// Returns `None` if nothing was timed.
-    fn new(scene: String, rows: &[Row]) -> Option<Found> {
+    fn new(scene: String, rows: &[Row]) -> Option<Winner> {
         let cells = cells(rows);
         let contest = winners(&cells.iter().collect::<Vec<_>>()).contests.into_iter().next()?;
         let second = contest.others.first();
-        Some(Found {
+        Some(Winner {
             scene,
             ratio: second.and_then(|second| Some(second.ratio?.median)),
             second: second.map(|second| second.name.clone()),
@@ -78,7 +78,7 @@ impl Found {
 pub trait Progress {
     fn scene(&mut self, done: usize, total: usize, next: &str);
     /// Gets the answer for the scene that has just ended.
-    fn found(&mut self, found: &Found);
+    fn found(&mut self, found: &Winner);
     fn note(&mut self, text: &str);
 }
 
@@ -127,7 +127,7 @@ impl Stage<'_, '_> {
         let running = self.enter_all(subjects, &given, moved, &mut bench)?;
         self.blocks(running, blocks, &mut bench)?;
         bench.remove();
-        if let Some(found) = Found::new(describe(self.experiment, self.spec), &self.log.latest) {
+        if let Some(found) = Winner::new(describe(self.experiment, self.spec), &self.log.latest) {
             self.log.progress.found(&found);
         }
         Ok(())

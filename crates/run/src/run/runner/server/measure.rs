@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::run::runner::alloc::Meter;
 use crate::run::runner::possible::MOST_CALLS;
 use crate::run::runner::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
-use crate::run::runner::server::{Answer, Server, refused};
+use crate::run::runner::server::{Answered, Server, refused};
 use contactbench_ground::probe::Tally;
 use contactbench_lists::searcher::Searcher;
 use contactbench_lists::track::Step;
@@ -31,7 +31,7 @@ impl Server {
         if self.tracker.is_some() { found } else { Found { steps: Steps::default(), ..found } }
     }
 
-    pub(super) fn sample(&mut self, min_ns: u64) -> Answer<Sample> {
+    pub(super) fn sample(&mut self, min_ns: u64) -> Answered<Sample> {
         let count = self.frames.frames.len() as u64;
         // The first pass is not timed; it warms caches and buffers.
         let mut first = 0;
@@ -56,7 +56,7 @@ impl Server {
 
     /// Repeats passes until they last `min_ns` nanoseconds together; with several frames, at most
     /// [`MOST_PASSES`] passes.
-    fn passes(&mut self, min_ns: u64) -> Answer<Times> {
+    fn passes(&mut self, min_ns: u64) -> Answered<Times> {
         let count = self.frames.frames.len();
         let most = if count == 1 { MOST_CALLS } else { MOST_PASSES };
         let mut times = Times { ns: vec![0; count], ..Times::default() };
@@ -75,7 +75,7 @@ impl Server {
         Ok(Times { building: Some(building), ..times })
     }
 
-    fn detections(&mut self, min_ns: u64) -> Answer<Times> {
+    fn detections(&mut self, min_ns: u64) -> Answered<Times> {
         let (passes, elapsed_ns) = match self.calls {
             Some(calls) => (calls, self.repeat(calls)?),
             None => loop {
@@ -93,7 +93,7 @@ impl Server {
         Ok(Times { ns: vec![elapsed_ns], passes, building: None, steps })
     }
 
-    fn calibrate(&mut self, min_ns: u64) -> Answer<u64> {
+    fn calibrate(&mut self, min_ns: u64) -> Answered<u64> {
         let mut calls = 1;
         loop {
             let elapsed = self.repeat(calls)?;
@@ -109,7 +109,7 @@ impl Server {
     }
 
     /// The timed loop: runs `calls` detections into the same lists, and returns the nanoseconds.
-    fn repeat(&mut self, calls: u64) -> Answer<u64> {
+    fn repeat(&mut self, calls: u64) -> Answered<u64> {
         let Server { searcher, contacts, arithmetic, .. } = self;
         let Some((_, scene)) = &self.frame else { return Ok(0) };
         let start = Instant::now();
@@ -120,7 +120,7 @@ impl Server {
         Ok(start.elapsed().as_nanos() as u64)
     }
 
-    pub(super) fn count(&mut self) -> Answer {
+    pub(super) fn count(&mut self) -> Answered {
         let (mut tally, mut steps) = (Tally::default(), Steps::default());
         self.pass(Some(&mut tally), |_, seen, contacts| {
             steps.push(contacts.digest(), &seen.step);
@@ -131,7 +131,7 @@ impl Server {
 
     /// Measures two passes, the first with fresh buffers, with as many threads as are timed. The
     /// list of pairs has its memory before, so it is not counted.
-    pub(super) fn memory(&mut self) -> Answer {
+    pub(super) fn memory(&mut self) -> Answered {
         // Before the measurement, a pass grows the list of pairs to its final size.
         self.pass(None, |_, _, _| ())?;
         // Buffers of that pass are freed, because they would count against the memory limit.

@@ -49,7 +49,7 @@ pub struct Server {
     next: Option<usize>,
 }
 
-type Answer<T = Reply> = Result<T, Reply>;
+type Answered<T = Reply> = Result<T, Reply>;
 
 struct Seen {
     step: Step,
@@ -119,7 +119,7 @@ impl Server {
         said.map(|(name, value)| (name.to_string(), value.to_string())).collect()
     }
 
-    fn answer(&mut self, request: Request) -> Answer {
+    fn answer(&mut self, request: Request) -> Answered {
         match request {
             Request::Load(trajectory) => self.load(trajectory),
             Request::Quit => Ok(Reply::Loaded),
@@ -133,7 +133,7 @@ impl Server {
         }
     }
 
-    fn load(&mut self, trajectory: Trajectory) -> Answer {
+    fn load(&mut self, trajectory: Trajectory) -> Answered {
         (self.frames, self.frame) = (Trajectory::default(), None);
         (self.calls, self.next) = (None, None);
         if trajectory.frames.is_empty() {
@@ -152,7 +152,7 @@ impl Server {
         Ok(Reply::Loaded)
     }
 
-    fn read(&self, trajectory: &Trajectory, k: usize) -> Answer<Loaded<'static>> {
+    fn read(&self, trajectory: &Trajectory, k: usize) -> Answered<Loaded<'static>> {
         let given = trajectory.read_frame(k).map_err(error)?;
         given.loaded(self.arithmetic).map_err(|e| {
             let place = place(trajectory, k, " ");
@@ -160,7 +160,7 @@ impl Server {
         })
     }
 
-    fn step(&mut self, k: usize, tally: Option<&mut Tally>) -> Answer<Seen> {
+    fn step(&mut self, k: usize, tally: Option<&mut Tally>) -> Answered<Seen> {
         let Server { tracker, searcher, contacts, arithmetic, .. } = self;
         let Some((_, scene)) = &self.frame else {
             return Err(Reply::Error { reason: format!("frame {k} is not there") });
@@ -187,7 +187,7 @@ impl Server {
         }
     }
 
-    fn fetch(&mut self, k: usize) -> Answer<()> {
+    fn fetch(&mut self, k: usize) -> Answered<()> {
         if self.frame.as_ref().is_none_or(|(last, _)| *last != k) {
             // Only one frame is in memory at a time.
             self.frame = None;
@@ -200,7 +200,7 @@ impl Server {
         &mut self,
         mut tally: Option<&mut Tally>,
         mut each: impl FnMut(usize, &Seen, &ContactList),
-    ) -> Answer<()> {
+    ) -> Answered<()> {
         for k in 0..self.frames.frames.len() {
             self.fetch(k)?;
             let start = Instant::now();
@@ -222,7 +222,7 @@ impl Server {
 
     /// Writes the pairs of a frame, by default the last; pairs in a box are sorted. Frames
     /// requested in ascending order share one pass.
-    fn write(&mut self, path: &Path, frame: Option<u64>) -> Answer {
+    fn write(&mut self, path: &Path, frame: Option<u64>) -> Answered {
         let count = self.frames.frames.len();
         let wanted = frame.unwrap_or(count as u64 - 1);
         if wanted >= count as u64 {

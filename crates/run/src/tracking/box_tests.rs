@@ -2,7 +2,7 @@ use super::*;
 use contactbench_detectors::oracle::random;
 use contactbench_detectors::tracker;
 use contactbench_ground::scene::{AnyScene, Lattice};
-use contactbench_scenes::motion::{Frames, Kind, Motion};
+use contactbench_scenes::motion::{Frames, Motion, MotionKind};
 use contactbench_scenes::spec::Spec;
 use contactbench_terms::mix::splitmix64;
 
@@ -58,13 +58,19 @@ fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
         "loose:dim=3,n=3,fraction=0.6,periodic=true,tilt=2.4",
         "loose:dim=3,n=60,fraction=0.4,periodic=yz,size-ratio=3",
     ] {
-        for kind in [Kind::Rest, Kind::Drift, Kind::Shear, Kind::Jitter, Kind::Brownian] {
+        for kind in [
+            MotionKind::Rest,
+            MotionKind::Drift,
+            MotionKind::Shear,
+            MotionKind::Jitter,
+            MotionKind::Brownian,
+        ] {
             let frames = motion(text, 19, Motion { kind, speed: 0.11, seed: 3 });
             let Followed { moved, trackers, .. } = followed(&frames, &trackers);
             assert_eq!(moved.frames, 19, "{text} {kind:?}");
             let changes = moved.born + moved.ended;
             assert!(
-                moved.contacts > 19 && (changes > 0) == (kind != Kind::Rest),
+                moved.contacts > 19 && (changes > 0) == (kind != MotionKind::Rest),
                 "{text} {kind:?}"
             );
             for it in &trackers {
@@ -88,7 +94,7 @@ fn a_sample_finds_what_its_particles_miss() {
         "loose:dim=2,n=400,fraction=0.5,periodic=true,tilt=0.4",
         "loose:dim=3,n=500,fraction=0.4,periodic=yz",
     ] {
-        let frames = motion(text, 19, Motion { kind: Kind::Drift, speed: 0.11, seed: 3 });
+        let frames = motion(text, 19, Motion { kind: MotionKind::Drift, speed: 0.11, seed: 3 });
         let n = frames[0].scene.len();
         let all = followed(&frames, &trackers);
         let told = |it: &Followed| {

@@ -9,7 +9,7 @@ use contactbench_ground::scene::{AnyScene, Real, array};
 use contactbench_ground::with_scene;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Body {
+pub struct Particle {
     pub particle: u32,
     /// Shift of the image in box vectors; 0 for the particle itself.
     pub image: [i32; 3],
@@ -18,19 +18,19 @@ pub struct Body {
     pub r: f64,
 }
 
-impl Body {
+impl Particle {
     pub fn is_image(&self) -> bool {
         self.image != [0; 3]
     }
 }
 
-pub fn particles(scene: &AnyScene<'_>) -> Vec<Body> {
+pub fn particles(scene: &AnyScene<'_>) -> Vec<Particle> {
     with_scene!(scene, scene => {
         let centre = |k: usize| {
             let centre = array(&scene.centres()[k]);
             std::array::from_fn(|axis| centre.get(axis).map_or(0.0, |x| x.wide()))
         };
-        let body = |k: usize| Body {
+        let body = |k: usize| Particle {
             particle: k as u32,
             image: [0; 3],
             centre: centre(k),
@@ -40,25 +40,25 @@ pub fn particles(scene: &AnyScene<'_>) -> Vec<Body> {
     })
 }
 
-pub struct Bodies {
+pub struct Particles {
     /// All particles, followed by the images.
-    pub all: Vec<Body>,
+    pub all: Vec<Particle>,
     images: HashMap<(u32, [i32; 3]), u32>,
 }
 
-impl Bodies {
+impl Particles {
     /// Collects the particles and the images that these pairs need, at rounded positions. Fails for
     /// an image beyond the range of f64.
     pub fn new<'a>(
         periodic: &Periodic<'_>,
         pairs: impl Iterator<Item = &'a ImagePair>,
-    ) -> anyhow::Result<Bodies> {
+    ) -> anyhow::Result<Particles> {
         let mut all = particles(periodic.scene());
         let (mut images, vectors) = (HashMap::new(), periodic.lattice().vectors());
         for &ImagePair { i, j, image } in pairs.filter(|pair| pair.image != [0; 3]) {
             for (particle, image) in [(j, image), (i, image.map(i32::wrapping_neg))] {
                 images.entry((particle, image)).or_insert_with(|| {
-                    let mut body = Body { image, ..all[particle as usize] };
+                    let mut body = Particle { image, ..all[particle as usize] };
                     for (vector, times) in vectors.iter().zip(image) {
                         let moved = |k: usize| body.centre[k] + f64::from(times) * vector[k];
                         body.centre = if times == 0 { body.centre } else { [0, 1, 2].map(moved) };
@@ -68,9 +68,9 @@ impl Bodies {
                 });
             }
         }
-        let finite = |body: &Body| body.centre.iter().all(|x| x.is_finite());
+        let finite = |body: &Particle| body.centre.iter().all(|x| x.is_finite());
         ensure!(all.iter().all(finite), "an image is beyond the range of f64; it cannot be drawn");
-        Ok(Bodies { all, images })
+        Ok(Particles { all, images })
     }
 
     /// Returns the lines of a pair: one, or one on each side if the pair crosses a face of the box.

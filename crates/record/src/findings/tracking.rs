@@ -7,23 +7,23 @@ use crate::cells::{Cell, CellId};
 use contactbench_terms::arithmetic::Arithmetic;
 
 #[derive(Clone, Debug)]
-pub struct Courses<'a> {
+pub struct Tracking<'a> {
     pub trackers: Vec<String>,
     pub arithmetic: Option<String>,
-    pub courses: Vec<Course<'a>>,
+    pub scenes: Vec<Scene<'a>>,
 }
 
 #[derive(Clone, Debug)]
-pub struct Course<'a> {
+pub struct Scene<'a> {
     pub title: String,
-    pub motion: Motion,
+    pub moves: Moves,
     /// One cell per tracker, in the order of the trackers; `None` if there is no answer.
     pub done: Vec<Option<&'a Cell>>,
 }
 
 /// Statistics of a motion; displacements in diameters of the largest particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct Moves {
     /// Mean displacement per frame.
     pub mean_way: Option<f64>,
     pub longest_way: Option<f64>,
@@ -31,9 +31,9 @@ pub struct Motion {
     pub born: Option<f64>,
 }
 
-impl<'a> Courses<'a> {
+impl<'a> Tracking<'a> {
     /// Uses the cells in exact arithmetic if there are some; returns `None` if nothing moves.
-    pub fn new(cells: &[&'a Cell]) -> Option<Courses<'a>> {
+    pub fn new(cells: &[&'a Cell]) -> Option<Tracking<'a>> {
         let mut own: Vec<&'a Cell> = cells.to_vec();
         own.retain(|cell| !cell.role.is_control() && cell.values.contains_key("builds"));
         let arithmetics: BTreeSet<&str> =
@@ -55,13 +55,13 @@ impl<'a> Courses<'a> {
         }
         // Missed contacts are known only if answers were compared.
         let judged = |cell: &&Cell| cell.values.contains_key("search_missed");
-        let course = |(id, done): &(&CellId, BTreeMap<String, &'a Cell>)| {
+        let scene = |(id, done): &(&CellId, BTreeMap<String, &'a Cell>)| {
             let frames = done.values().next().map_or(1.0, |cell| cell.frames());
             let value = |name: &str| done.values().find_map(|cell| cell.variable(name, None));
             let steps = (frames - 1.0).max(1.0);
-            Course {
+            Scene {
                 title: title(*id, &swept),
-                motion: Motion {
+                moves: Moves {
                     mean_way: value("mean_way"),
                     longest_way: value("longest_way"),
                     contacts: value("true_contacts").map(|all| all / frames),
@@ -70,10 +70,10 @@ impl<'a> Courses<'a> {
                 done: names.iter().map(|name| done.get(name).copied().filter(judged)).collect(),
             }
         };
-        Some(Courses {
+        Some(Tracking {
             trackers: names.iter().map(|name| called(name)).collect(),
             arithmetic: several.then_some(arithmetic),
-            courses: scenes.values().map(course).collect(),
+            scenes: scenes.values().map(scene).collect(),
         })
     }
 }

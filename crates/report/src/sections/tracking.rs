@@ -2,10 +2,10 @@ use super::{About, Section};
 use crate::document::Block;
 use crate::table::{Cell, Table};
 use contactbench_record::cells::Cell as Measured;
-use contactbench_record::findings::courses::{Course, Courses};
+use contactbench_record::findings::tracking::{Scene, Tracking};
 
 pub fn sections(about: &About<'_>) -> Vec<Section> {
-    let Some(found) = Courses::new(about.cells) else { return Vec::new() };
+    let Some(found) = Tracking::new(about.cells) else { return Vec::new() };
     let arithmetic = found.arithmetic.iter().map(|name| format!(", in {name} arithmetic"));
     let asked = format!(
         "Number of frames in which the detector ran, the first included{}.",
@@ -18,7 +18,7 @@ pub fn sections(about: &About<'_>) -> Vec<Section> {
     ]
 }
 
-fn misses(found: &Courses) -> Vec<Block> {
+fn misses(found: &Tracking) -> Vec<Block> {
     let missed = missed(found);
     if missed.is_empty() {
         let none = "No tracker missed a contact, and no build was dangerous.";
@@ -35,7 +35,7 @@ fn misses(found: &Courses) -> Vec<Block> {
     );
     let whole = |name| move |(.., cell): Missed<'_>| value(cell, name) as u64;
     let table = Table::of("", missed)
-        .left("scene", |(course, ..)| &*course.title)
+        .left("scene", |(scene, ..)| &*scene.title)
         .left("tracker", |(_, tracker, _)| tracker.as_str())
         .right("missed", whole("search_missed"))
         .right("share", |(.., cell)| {
@@ -57,36 +57,36 @@ fn misses(found: &Courses) -> Vec<Block> {
 
 /// Returns the rows of trackers that missed contacts or had a dangerous build. Dangerous builds
 /// without a missed contact show how reliable this flag is.
-fn missed<'a>(found: &'a Courses<'_>) -> Vec<Missed<'a>> {
+fn missed<'a>(found: &'a Tracking<'_>) -> Vec<Missed<'a>> {
     let mut all = Vec::new();
-    for course in &found.courses {
-        for (name, done) in found.trackers.iter().zip(&course.done) {
-            all.extend(done.iter().map(|cell| (course, name, *cell)));
+    for scene in &found.scenes {
+        for (name, done) in found.trackers.iter().zip(&scene.done) {
+            all.extend(done.iter().map(|cell| (scene, name, *cell)));
         }
     }
     all.retain(|(.., cell)| value(cell, "search_missed") > 0.0 || value(cell, "dangerous") > 0.0);
     all
 }
 
-type Missed<'a> = (&'a Course<'a>, &'a String, &'a Measured);
+type Missed<'a> = (&'a Scene<'a>, &'a String, &'a Measured);
 
 fn value(cell: &Measured, name: &str) -> f64 {
     cell.variable(name, None).unwrap_or(0.0)
 }
 
-fn motions(found: &Courses) -> Block {
-    let table = Table::of("", &found.courses)
-        .left("scene", |course| &*course.title)
-        .unit("mean step", "diameters", |course| course.motion.mean_way)
-        .unit("longest", "diameters", |course| course.motion.longest_way)
-        .right("contacts in a frame", |course| course.motion.contacts)
-        .right("new", |course| course.motion.born);
+fn motions(found: &Tracking) -> Block {
+    let table = Table::of("", &found.scenes)
+        .left("scene", |scene| &*scene.title)
+        .unit("mean step", "diameters", |scene| scene.moves.mean_way)
+        .unit("longest", "diameters", |scene| scene.moves.longest_way)
+        .right("contacts in a frame", |scene| scene.moves.contacts)
+        .right("new", |scene| scene.moves.born);
     Block::table(table)
 }
 
-fn builds(found: &Courses) -> Block {
-    let table = Table::of("", &found.courses).left("scene", |course| &*course.title);
+fn builds(found: &Tracking) -> Block {
+    let table = Table::of("", &found.scenes).left("scene", |scene| &*scene.title);
     Block::table(table.each(found.trackers.iter().enumerate(), |table, (k, name)| {
-        table.right(name, |course| course.done[k].map(|cell| value(cell, "builds") as u64))
+        table.right(name, |scene| scene.done[k].map(|cell| value(cell, "builds") as u64))
     }))
 }

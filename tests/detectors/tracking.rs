@@ -1,7 +1,7 @@
 //! A short run of the campaign on moving particles (`crates/campaigns`).
 
-use contactbench_campaigns::moving::trackers;
 use contactbench_campaigns::skin::pairs;
+use contactbench_campaigns::tracking::trackers;
 use contactbench_campaigns::{Plan, What};
 
 const PLAN: Plan = Plan { pairs: 1, seed: 7 };

@@ -9,11 +9,11 @@ use contactbench_ground::detect::Options;
 use contactbench_ground::pairs::normalise::normalise;
 use contactbench_ground::scene::AnyScene;
 use contactbench_lists::track::{Rule, Skin};
-use contactbench_scenes::motion::{Frames, Kind, Motion};
+use contactbench_scenes::motion::{Frames, Motion, MotionKind};
 use contactbench_scenes::spec::Spec;
 
 use crate::draw::Draw;
-use crate::{CONTROL, Counts, Plan, Table, What, in_batches};
+use crate::{CONTROL, Counts, Plan, Totals, What, in_batches};
 
 pub const RULES: [Rule; 3] = [Rule::TopTwo, Rule::HalfSkin, Rule::Summed];
 const LIMIT: u64 = 1 << 28;
@@ -40,10 +40,10 @@ const SKINS: [Skin; 7] = [
 
 /// Runs all trackers on moving scenes. Motions, dimensions and arithmetics are used in turn;
 /// everything else is random.
-pub fn trackers(plan: Plan) -> Table {
+pub fn trackers(plan: Plan) -> Totals {
     let detectors = detectors();
     // A batch has every motion in both dimensions and each arithmetic.
-    in_batches(plan, 2 * Arithmetic::SAFE.len() * Kind::ALL.len(), |piece| {
+    in_batches(plan, 2 * Arithmetic::SAFE.len() * MotionKind::ALL.len(), |piece| {
         let mut draw = Draw::new(plan.seed, piece as u64);
         let mut turns = piece;
         let mut turn = |n: usize| {
@@ -51,7 +51,7 @@ pub fn trackers(plan: Plan) -> Table {
             turns /= n;
             now
         };
-        let kind = Kind::ALL[turn(Kind::ALL.len())];
+        let kind = MotionKind::ALL[turn(MotionKind::ALL.len())];
         let dim = 2 + turn(2);
         let arithmetic = Arithmetic::SAFE[turn(Arithmetic::SAFE.len())];
         let frames = frames(kind, dim, arithmetic, &mut draw);
@@ -66,7 +66,7 @@ pub fn trackers(plan: Plan) -> Table {
             specs.extend(RULES.map(|rule| verlet(detector, draw.one_of(&SKINS), rule)));
         }
         specs.push(verlet(&detectors[0], Skin::Diameters(0.03), Rule::Every(10)));
-        let mut table = Table::default();
+        let mut table = Totals::default();
         specs.iter().for_each(|spec| add(&mut table, spec, &frames, arithmetic));
         table
     })
@@ -80,7 +80,12 @@ pub(crate) fn detectors() -> Vec<DetectorSpec> {
 
 /// Returns frames in order or, occasionally, shuffled. Shuffled frames make lists useless, but no
 /// contact may be missed.
-fn frames(kind: Kind, dim: usize, arithmetic: Arithmetic, draw: &mut Draw) -> Vec<Frame> {
+fn frames(
+    kind: MotionKind,
+    dim: usize,
+    arithmetic: Arithmetic,
+    draw: &mut Draw,
+) -> Vec<StoredFrame> {
     let scene = draw.one_of(&SCENES);
     let text = format!("{scene}dim={dim},n={},seed={}", 2 + draw.below(200), draw.below(1 << 20));
     let speed = 10f64.powf(-4.0 * draw.unit());
@@ -95,31 +100,36 @@ fn frames(kind: Kind, dim: usize, arithmetic: Arithmetic, draw: &mut Draw) -> Ve
     }
     let frame = |k: usize| {
         let given = moving.at(k as u64).expect("nothing flies far in so few frames");
-        Frame::new(&given.scene, arithmetic).expect("coordinates fit every arithmetic")
+        StoredFrame::new(&given.scene, arithmetic).expect("coordinates fit every arithmetic")
     };
     order.into_iter().map(frame).collect()
 }
 
 /// A frame as stored for an arithmetic, and its touching pairs.
-pub(crate) struct Frame {
+pub(crate) struct StoredFrame {
     pub scene: AnyScene<'static>,
     pub truth: Vec<[u32; 2]>,
 }
 
-impl Frame {
+impl StoredFrame {
     /// Stores a frame; returns `None` if the arithmetic cannot store it.
-    pub fn new(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Option<Frame> {
+    pub fn new(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Option<StoredFrame> {
         let scene = scene.stored(arithmetic).ok()?;
         let truth = oracle::truth_as_stored(&scene, arithmetic.test(), LIMIT).ok()?.pairs;
-        Some(Frame { scene, truth })
+        Some(StoredFrame { scene, truth })
     }
 }
 
 /// Runs a tracker over all frames and counts the results.
-pub(crate) fn add(table: &mut Table, spec: &TrackerSpec, frames: &[Frame], arithmetic: Arithmetic) {
+pub(crate) fn add(
+    table: &mut Totals,
+    spec: &TrackerSpec,
+    frames: &[StoredFrame],
+    arithmetic: Arithmetic,
+) {
     let mut tracker = spec.make(Options { memory_limit: LIMIT, threads: 1 });
     let (mut counts, mut pairs) = (Counts::default(), Vec::new());
-    for Frame { scene, truth } in frames {
+    for StoredFrame { scene, truth } in frames {
         counts.add(What::Frames, 1);
         counts.add(What::Pairs, truth.len() as u64);
         pairs.clear();

@@ -13,7 +13,7 @@ use crate::scene::{Radii, Real, Scene, Stored, array};
 use crate::wide::fill;
 
 /// Positions and radii for a detector's filters, and the contact test for its decisions.
-pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
+pub trait Particles<T: Real, const D: usize>: Copy + Sync {
     /// Whether radii may differ; if false, code for radii that differ need not be compiled.
     const RADII_DIFFER: bool = true;
     /// Returns the number of particles.
@@ -112,7 +112,7 @@ impl<T: Real, const D: usize> Centres<T, D> for Pieces<'_, T, D> {
 
 /// A scene with a contact test whose type is fixed at compile time, for static dispatch.
 #[derive(Clone, Copy)]
-pub struct SceneBodies<'a, T: Real, R, C, const D: usize> {
+pub struct SceneParticles<'a, T: Real, R, C, const D: usize> {
     centres: C,
     rule: R,
     radii: &'a Radii<'a, T>,
@@ -123,10 +123,11 @@ pub struct SceneBodies<'a, T: Real, R, C, const D: usize> {
 }
 
 /// A scene whose contact test is chosen at run time, for each pair.
-pub type AnyBodies<'a, T, const D: usize> = SceneBodies<'a, T, AnyRule<'a, T>, Pieces<'a, T, D>, D>;
+pub type AnyParticles<'a, T, const D: usize> =
+    SceneParticles<'a, T, AnyRule<'a, T>, Pieces<'a, T, D>, D>;
 
-impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
-    for SceneBodies<'_, T, R, C, D>
+impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Particles<T, D>
+    for SceneParticles<'_, T, R, C, D>
 {
     const RADII_DIFFER: bool = R::RADII_DIFFER;
 
@@ -186,11 +187,11 @@ impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
 }
 
 /// Code that works on a scene and is compiled separately for each type of contact test.
-pub trait WithBodies<T: Real, const D: usize> {
+pub trait WithParticles<T: Real, const D: usize> {
     /// Type of the code's result.
     type Output;
-    /// Runs the code on `bodies`.
-    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output;
+    /// Runs the code on `particles`.
+    fn call<B: Particles<T, D>>(self, particles: B) -> Self::Output;
 }
 
 /// Calls `then` with the type of contact test that fits the radii and `test`. The type is chosen
@@ -199,13 +200,13 @@ pub trait WithBodies<T: Real, const D: usize> {
 /// # Errors
 /// Returns [`Refusal::Overflow`] if the test is rounded and the square of the largest diameter
 /// overflows, and any error that `then` returns.
-pub fn with_bodies<const D: usize, W, O>(
+pub fn with_particles<const D: usize, W, O>(
     scene: &Scene<'_, f64, D>,
     test: Test,
     then: W,
 ) -> Result<O, Refusal>
 where
-    W: WithBodies<f64, D, Output = Result<O, Refusal>>,
+    W: WithParticles<f64, D, Output = Result<O, Refusal>>,
 {
     if !test.is_exact() {
         return rounded(scene, test, then);
@@ -221,21 +222,21 @@ where
     }
 }
 
-/// Calls `then` as [`with_bodies`] does, for a scene in any storage. A rounded test is rounded in
+/// Calls `then` as [`with_particles`] does, for a scene in any storage. A rounded test is rounded in
 /// that storage. For the exact test the scene is widened to f64, so that this test is compiled for
-/// f64 only. Fails as [`with_bodies`].
+/// f64 only. Fails as [`with_particles`].
 pub fn with_stored<const D: usize, W, O>(
     scene: &Stored<'_, D>,
     test: Test,
     then: W,
 ) -> Result<O, Refusal>
 where
-    W: WithBodies<f32, D, Output = Result<O, Refusal>>
-        + WithBodies<f64, D, Output = Result<O, Refusal>>,
+    W: WithParticles<f32, D, Output = Result<O, Refusal>>
+        + WithParticles<f64, D, Output = Result<O, Refusal>>,
 {
     match scene {
         Stored::F32(scene) if !test.is_exact() => rounded(scene, test, then),
-        scene => with_bodies(&scene.widened(), test, then),
+        scene => with_particles(&scene.widened(), test, then),
     }
 }
 
@@ -245,7 +246,7 @@ fn rounded<T: Real, const D: usize, W, O>(
     then: W,
 ) -> Result<O, Refusal>
 where
-    W: WithBodies<T, D, Output = Result<O, Refusal>>,
+    W: WithParticles<T, D, Output = Result<O, Refusal>>,
 {
     let (envelope, centres) = (Envelope::of(scene.largest_radius(), test)?, scene.centres());
     match scene.radii() {
@@ -258,11 +259,11 @@ where
 
 /// Returns the scene with a contact test that is chosen anew for each pair. It serves code that is
 /// not timed and detectors that seldom call the test. Every storage works, even with the exact
-/// test. Fails with [`Refusal::Overflow`] as [`with_bodies`].
-pub fn any_bodies<'a, T: Real, const D: usize>(
+/// test. Fails with [`Refusal::Overflow`] as [`with_particles`].
+pub fn any_particles<'a, T: Real, const D: usize>(
     scene: &'a Scene<'_, T, D>,
     test: Test,
-) -> Result<AnyBodies<'a, T, D>, Refusal> {
+) -> Result<AnyParticles<'a, T, D>, Refusal> {
     let envelope = Envelope::of(scene.largest_radius(), test)?;
     let centres = Pieces { first: scene.centres(), rest: &[] };
     Ok(envelope.with(centres, scene.radii(), AnyRule::new(scene.radii(), test)))
@@ -296,8 +297,8 @@ pub enum Decided<'a> {
 
 impl<'a, const D: usize> Imaged<'a, D> {
     /// Returns a view of particles and images for detectors. Fails with [`Refusal::Overflow`] as
-    /// [`with_bodies`].
-    pub fn bodies(&self) -> Result<AnyBodies<'a, f64, D>, Refusal> {
+    /// [`with_particles`].
+    pub fn particles(&self) -> Result<AnyParticles<'a, f64, D>, Refusal> {
         let (radii, largest) = (self.radii, self.largest_radius);
         let (envelope, rule) = match self.decided {
             Decided::Test(test) => (Envelope::of(largest, test)?, AnyRule::new(radii, test)),
@@ -309,7 +310,7 @@ impl<'a, const D: usize> Imaged<'a, D> {
             }
         };
         let centres = Pieces { first: self.owners, rest: self.images };
-        Ok(SceneBodies { corners: self.corners, ..envelope.with(centres, radii, rule) })
+        Ok(SceneParticles { corners: self.corners, ..envelope.with(centres, radii, rule) })
     }
 }
 
@@ -345,8 +346,8 @@ impl Envelope {
         centres: C,
         radii: &'a Radii<'a, T>,
         rule: R,
-    ) -> SceneBodies<'a, T, R, C, D> {
+    ) -> SceneParticles<'a, T, R, C, D> {
         let Envelope { reach, slack, margin } = self;
-        SceneBodies { centres, radii, rule, reach, slack, margin, corners: None }
+        SceneParticles { centres, radii, rule, reach, slack, margin, corners: None }
     }
 }

@@ -26,12 +26,12 @@ impl<const D: usize> Numbered<D> {
         if n > u64::from(u32::MAX) {
             return Err(SceneError::TooMany { n: n as usize }.into());
         }
-        let mut bodies = Numbered::default();
-        bodies.reserve(scene.len(), true)?;
-        bodies.ids.extend(first as u32..n as u32);
-        bodies.centres.extend_from_slice(scene.centres());
-        bodies.radii.extend((0..scene.len()).map(|k| scene.radius(k)));
-        Ok(bodies)
+        let mut particles = Numbered::default();
+        particles.reserve(scene.len(), true)?;
+        particles.ids.extend(first as u32..n as u32);
+        particles.centres.extend_from_slice(scene.centres());
+        particles.radii.extend((0..scene.len()).map(|k| scene.radius(k)));
+        Ok(particles)
     }
 
     pub fn len(&self) -> usize {

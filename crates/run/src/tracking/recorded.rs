@@ -95,7 +95,7 @@ impl First {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contactbench_io::{Frame, Options, frames_from};
+    use contactbench_io::{FrameChoice, Options, frames_from};
 
     /// Returns the coordinates by frame of a dump with rows `id x`, and the error at its end.
     fn read(frames: &[&[(i64, f64)]]) -> (Vec<Vec<f64>>, String) {
@@ -108,7 +108,7 @@ mod tests {
         };
         let text: String = frames.iter().enumerate().map(frame).collect();
         let options =
-            Options { ids: true, frame: Frame::All, radius: Some(1.0), ..Options::default() };
+            Options { ids: true, frame: FrameChoice::All, radius: Some(1.0), ..Options::default() };
         let mut places = Vec::new();
         let end = frames_from(text.as_bytes(), "p", "", options, |frames| {
             let mut recorded = Recorded::new(frames, "p", Some(1.0));
