@@ -2,7 +2,8 @@
 
 use anyhow::bail;
 
-const MAGICS: [(&str, &[u8]); 12] = [
+const MAGICS: [(&str, &[u8]); 13] = [
+    ("an archive, such as NumPy npz", b"PK"),
     ("bzip2", b"BZh"),
     ("xz", b"\xfd7zXZ\0"),
     ("zstd", b"(\xb5/\xfd"),
