@@ -250,6 +250,13 @@ impl<const D: usize> Images<D> {
         near: &Near<'_, D>,
         budget: &Budget,
     ) -> Result<Corners<D>, Refusal> {
+        if near.reaches_far() {
+            // Far too many images are refused before the loop below visits each.
+            let fewest = self.candidates.iter().map(|Candidate { place, owner }| {
+                near.fewest(place, &near.sums(given.radius(*owner as usize)))
+            });
+            budget.holds(fewest.sum())?;
+        }
         loop {
             let room = self.images.capacity().min(self.centres.capacity());
             let (made, corners) = self.fill_as_far_as(room, given, near);

@@ -345,8 +345,23 @@ impl<'a, const D: usize> Near<'a, D> {
     /// Returns whether images must be counted before they are made, because a particle may have
     /// hundreds. In an upright box it has few.
     pub fn are_many(&self) -> bool {
+        !self.frame.is_upright() && self.reaches_far()
+    }
+
+    /// Returns whether a particle reaches over more than two boxes.
+    pub fn reaches_far(&self) -> bool {
         let reach = |a: usize| self.frame.lengths[a] * self.largest_reach + self.more[a];
-        !self.frame.is_upright() && (0..3).any(|a| reach(a) > 2.0)
+        (0..3).any(|a| reach(a) > 2.0)
+    }
+
+    /// Returns a lower bound for the number of images of an owner at this position. Shear moves the
+    /// ranges of later vectors, but does not change their lengths.
+    pub fn fewest(&self, place: &[f64; D], sums: &[[f64; 2]; 3]) -> f64 {
+        let limits = self.limits(place, sums);
+        let mut axes = self.frame.order.into_iter().filter(|&a| self.frame.periodic[a]);
+        let Some(first) = axes.next() else { return 0.0 };
+        let length = |a: usize| (limits[a][1] - limits[a][0]).floor().max(0.0);
+        axes.fold(limits[first][1].floor().max(0.0), |images, a| images * length(a))
     }
 
     /// Returns the number of images of an owner at this position, if the box is not upright.

@@ -56,6 +56,24 @@ fn impossible_boxes_are_refused() {
     assert!(matches!(refusal(&crowd, 1000), Refusal::Images { .. }));
 }
 
+/// Stored as f32, particles this far away may move by thousands of boxes. The images, up to 10^15,
+/// must be refused by estimate: a visit of each would take from seconds to years.
+#[test]
+fn rounded_arithmetic_far_from_the_origin_is_refused_at_once() {
+    let tilted = [[4.0, 0.0, 0.0], [1.0, 4.0, 0.0], [0.0, 1.0, 4.0]];
+    let (all, slab) = ([true; 3], [true, true, false]);
+    for (away, periodic) in [(32, all), (36, all), (40, all), (40, slab)] {
+        let at = f64::from(away).exp2();
+        let centres = [[at + 0.5, 1.1, 1.2], [at + 3.5, 1.1, 1.2]];
+        let bag = Bag { periodic, origin: [at, 0.0, 0.0], ..of(&centres, 0.5, tilted) };
+        let mut detector = TABLE[4].make(OPTIONS);
+        let found = contacts(&bag.periodic(), &mut *detector, Arithmetic::F32, LIMIT);
+        assert!(matches!(found, Err(Refusal::Images { .. })), "2^{away}, {periodic:?}");
+        let exact = contacts(&bag.periodic(), &mut *detector, Arithmetic::Exact, LIMIT);
+        assert_eq!(exact.map(|pairs| pairs.len()), Ok(1));
+    }
+}
+
 #[test]
 fn invalid_periodic_scenes_are_errors() {
     let bag = of(&[[0.5; 3]], 0.25, cube(1.0));
