@@ -206,8 +206,9 @@ impl Stage<'_, '_> {
         let in_time = |block, _: &mut Vec<_>| {
             block <= FEWEST_BLOCKS || started.elapsed().as_secs_f64() <= budget
         };
+        let mut warm = 0;
         race(block::entries(running), blocks, seed, in_time, |block, entry| {
-            let mut entry = self.block(entry, block, bench)?;
+            let mut entry = self.block(entry, block, &mut warm, bench)?;
             for one in &mut entry {
                 self.ceiling(one, block, bench)?;
             }
