@@ -35,6 +35,16 @@ fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
     [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &le(values)].concat()
 }
 
+fn npz(member: &[u8]) -> Vec<u8> {
+    let mut archive = b"PK\x03\x04\x2d\0\0\0\x08\0\0\0\0\0\0\0\0\0".to_vec();
+    archive.extend((member.len() as u32).to_le_bytes());
+    archive.extend([0; 4]);
+    archive.extend(b"\x09\0\0\0arr_0.npy");
+    archive.extend(member);
+    archive.extend(b"PK\x01\x02 and so on");
+    archive
+}
+
 /// Memory depends on the bytes of a file, not on the sizes it announces.
 #[test]
 fn promises_and_bombs_are_bounded() {
@@ -55,7 +65,11 @@ fn promises_and_bombs_are_bounded() {
     ] {
         bounded(text.as_bytes());
     }
-    bounded(&npy(&format!("({many}, 3)"), &[1.0]));
+    let array = npy(&format!("({many}, 3)"), &[1.0]);
+    bounded(&array);
+    let mut deflate = flate2::write::DeflateEncoder::new(Vec::new(), Compression::fast());
+    deflate.write_all(&array).unwrap();
+    bounded(&npz(&deflate.finish().unwrap()));
 
     // A file of 70 KB that decompresses to 70 MB.
     let line = [b"#".as_slice(), &[b' '; 1022], b"\n"].concat();
@@ -75,6 +89,39 @@ fn promises_and_bombs_are_bounded() {
     let message = result.unwrap_err().to_string();
     assert!(message.starts_with("p:1: ") && message.contains("1048576 bytes"), "{message}");
     assert!(usage.unwrap().peak_bytes < 4 << 20);
+}
+
+/// A few KB decompress to 160 MB: the compression ratio of each layer is within the limit, but not
+/// that of both layers together.
+#[test]
+fn layers_of_compression_are_bounded_together() {
+    let _guard = quiet();
+    // Noise, which cannot be compressed, then zeros.
+    let mut state = 1u64;
+    let mut noise = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 12) as f64
+    };
+    let piece: Vec<f64> = (0..8192).map(|k| if k < 96 { noise() } else { 0.0 }).collect();
+    let (piece, pieces) = (le(&piece), 2562);
+    let refused = |bytes: &[u8]| {
+        assert!(bytes.len() < 200_000, "{} bytes", bytes.len());
+        let (message, peak) = refusal(bytes, HALF);
+        assert!(message.contains("200 times"), "{message}");
+        assert!(peak < 100 << 20, "{peak} bytes");
+    };
+
+    // One compressed piece, flushed so that it can be repeated.
+    let mut deflate = flate2::Compress::new(Compression::best(), false);
+    let mut packed = Vec::with_capacity(1 << 16);
+    let header = npy(&format!("({}, 4)", pieces * piece.len() / 32), &[]);
+    deflate.compress_vec(&header, &mut packed, flate2::FlushCompress::Full).unwrap();
+    let start = packed.len();
+    deflate.compress_vec(&piece, &mut packed, flate2::FlushCompress::Full).unwrap();
+    let repeated = packed[start..].repeat(pieces);
+    let member = [&packed[..start], &repeated, b"\x03\x00"].concat();
+    assert!(member.len() * 100 > pieces * piece.len(), "the inner layer alone is in proportion");
+    refused(&gz(&npz(&member)));
 }
 
 /// Reading takes at most 2.5 times the bytes of the coordinates, radii and buffers included.

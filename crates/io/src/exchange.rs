@@ -8,6 +8,7 @@ use anyhow::{Context, bail, ensure};
 
 use crate as io;
 use crate::formats::npy;
+use crate::raw::gzip::Unpacking;
 use crate::raw::lines::Source;
 use crate::raw::room::room;
 use crate::raw::scalars::Scalar;
@@ -75,7 +76,8 @@ pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Cont
     let (kind, descr) = if box_dim.is_some() { (Scalar::I32, "<i4") } else { (Scalar::U32, "<u4") };
     let columns = 2 + box_dim.unwrap_or(0);
     let file = File::open(path).with_context(|| format!("cannot read the pairs {name}"))?;
-    let mut source = Source { input: &mut BufReader::new(file), name: &name };
+    let (input, unpacking) = (&mut BufReader::new(file), &Unpacking::default());
+    let mut source = Source { input, name: &name, unpacking };
     let mut header = npy::header(&mut source)?;
     let fits = header.kind == kind && !header.big && !header.fortran;
     ensure!(

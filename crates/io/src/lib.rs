@@ -19,7 +19,7 @@
 //! options ask for it; see [`boxes`].
 //!
 //! **Memory.** Lists of particles grow by a quarter at a time, as bytes are read, whatever number
-//! the header announces. Arrays in Fortran order are kept, too.
+//! the header announces. Frames and sizes of npz, and arrays in Fortran order, are kept, too.
 
 pub mod boxes;
 mod columns;

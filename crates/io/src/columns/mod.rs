@@ -1,4 +1,4 @@
-//! The columns of a file: their names and meaning.
+//! The columns of a file or the arrays of an archive: their names and meaning.
 
 pub mod chosen;
 pub mod units;

@@ -5,6 +5,7 @@ pub mod dump;
 mod gsd;
 mod lammps;
 pub mod npy;
+pub(super) mod npz;
 pub(super) mod unread;
 mod vtk;
 mod xyz;
@@ -74,9 +75,12 @@ macro_rules! formats {
 }
 
 /// All formats, in the order in which their `tells` is tried.
-pub static FORMATS: [Format; 7] = formats! {
+pub static FORMATS: [Format; 8] = formats! {
     "npy" "NumPy" ["npy"], "\\x93NUMPY; write it with numpy.save", "NumPy array",
         |head| head.starts_with(npy::MAGIC), Read::Frames(npy::frames);
+    "npz" "NumPy npz" ["npz"], "PK; write it with numpy.savez", "NumPy archive of arrays",
+        |head| head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06"),
+        Read::Frames(npz::frames);
     "dump" "LAMMPS dump" ["dump", "lammpstrj"], "ITEM:", "LAMMPS and LIGGGHTS dump",
         |head| head.starts_with(b"ITEM:"), Read::Frames(dump::frames);
     "vtk" "VTK legacy" ["vtk"], "# vtk", "VTK legacy, text or binary",

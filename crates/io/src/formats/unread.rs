@@ -2,8 +2,7 @@
 
 use anyhow::bail;
 
-const MAGICS: [(&str, &[u8]); 13] = [
-    ("an archive, such as NumPy npz", b"PK"),
+const MAGICS: [(&str, &[u8]); 12] = [
     ("bzip2", b"BZh"),
     ("xz", b"\xfd7zXZ\0"),
     ("zstd", b"(\xb5/\xfd"),

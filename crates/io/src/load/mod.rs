@@ -2,7 +2,6 @@
 
 pub mod series;
 
-use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::Path;
@@ -13,7 +12,7 @@ use crate::formats;
 use crate::frames::{Choice, Stream};
 use crate::options::Options;
 use crate::particles::{Given, Loaded, Particles};
-use crate::raw::gzip::{self, Counted, Unpacked};
+use crate::raw::gzip::{self, Unpacking};
 use crate::raw::lines::Source;
 use crate::types::{About, FrameChoice, Notice};
 use contactbench_ground::scene::AnyScene;
@@ -89,11 +88,11 @@ pub fn frames_from<T>(
     body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     options.check()?;
-    unpacked(reader, name, |input, head, gzip| {
+    unpacked(reader, name, |input, unpacking, head, gzip| {
         ensure!(!head.is_empty(), "{name} is empty");
         let twice = gzip && head.starts_with(gzip::MAGIC);
         ensure!(!twice, "{name} is compressed twice; unpack it once");
-        let source = Source { input, name };
+        let source = Source { input, name, unpacking };
         let reader = formats::find(head, name, ending, options)?.open(source, options);
         let mut choice = Choice::new(options.frame, options.survey);
         choice.gzip = gzip;
@@ -106,7 +105,7 @@ pub fn frames_from<T>(
 pub(crate) fn unpacked<T>(
     reader: impl Read,
     name: &str,
-    body: impl FnOnce(&mut dyn BufRead, &[u8], bool) -> anyhow::Result<T>,
+    body: impl FnOnce(&mut dyn BufRead, &Unpacking, &[u8], bool) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let head = |reader: &mut dyn BufRead| {
         let mut head = Vec::new();
@@ -114,16 +113,16 @@ pub(crate) fn unpacked<T>(
         read.with_context(|| format!("cannot read {name}"))?;
         anyhow::Ok(head)
     };
-    let taken = Cell::new(0);
-    let mut reader = BufReader::with_capacity(1 << 18, Counted { inner: reader, taken: &taken });
+    let unpacking = &Unpacking::default();
+    let mut reader = BufReader::with_capacity(1 << 18, unpacking.file(reader));
     let packed = head(&mut reader)?;
     let mut reader = Cursor::new(&packed[..]).chain(reader);
     if !packed.starts_with(gzip::MAGIC) {
-        return body(&mut reader, &packed, false);
+        return body(&mut reader, unpacking, &packed, false);
     }
-    let mut reader = BufReader::with_capacity(1 << 17, Unpacked::new(reader, &taken));
+    let mut reader = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
     let head = head(&mut reader)?;
-    body(&mut Cursor::new(&head[..]).chain(reader), &head, true)
+    body(&mut Cursor::new(&head[..]).chain(reader), unpacking, &head, true)
 }
 
 /// The frames of a particle file. Only one frame is in memory at a time.

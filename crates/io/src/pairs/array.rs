@@ -63,6 +63,10 @@ impl<'a> Array<'a> {
         Array { source, header: None, shape, notices, rows, at: 0, before: 0 }
     }
 
+    pub fn behind(source: Source<'a>, header: Header) -> Array<'a> {
+        Array { header: Some(header), ..Array::new(source) }
+    }
+
     fn more(&mut self) -> anyhow::Result<()> {
         let Array { source, header: Some(header), rows, at, before, shape, .. } = self else {
             return Ok(());
@@ -98,7 +102,10 @@ impl<'a> Array<'a> {
 
 impl Rows for Array<'_> {
     fn begin(&mut self, choice: &mut Choice) -> anyhow::Result<()> {
-        let mut header = npy::header(&mut self.source)?;
+        let mut header = match self.header.take() {
+            Some(header) => header,
+            None => npy::header(&mut self.source)?,
+        };
         let Some(shape) = Shape::of(&header, choice.is_all()) else {
             let (name, shape) = (self.source.name, npy::shape(&header.sizes));
             bail!(

@@ -149,6 +149,10 @@ impl Columns {
     }
 }
 
+pub(super) fn is_image(name: &str) -> bool {
+    among(IMAGES, &plain(name))
+}
+
 /// Returns the letters and digits of a name, in lower case.
 fn plain(name: &str) -> String {
     name.chars().filter(|c| c.is_ascii_alphanumeric()).map(|c| c.to_ascii_lowercase()).collect()

@@ -1,4 +1,4 @@
-//! Reads contact lists of other programs: CSV, npy, LAMMPS dump local.
+//! Reads contact lists of other programs: CSV, npy, npz, LAMMPS dump local.
 //!
 //! A list names particles by numbers, which the caller interprets: indices from 0 or 1, or ids. A
 //! file may hold one list per frame: sections of a dump, or rows in the order of a
@@ -12,12 +12,13 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 
 use crate::formats::{npy, unread};
-use crate::frames::{Choice, Reader, Step, Stream};
+use crate::frames::{Choice, Once, Reader, Step, Stream};
 use crate::load::{series, unpacked};
 use crate::raw::lines::{Lines, Source};
 use crate::raw::room::room;
 use crate::types::{FrameChoice, Notice};
 
+mod archive;
 mod array;
 mod columns;
 mod csv;
@@ -80,8 +81,8 @@ pub fn lists_from<T>(
 ) -> anyhow::Result<T> {
     let fits = matches!(columns.len(), 0 | 2 | 4 | 5);
     ensure!(fits, "--pairs-columns takes I,J for the particles, or I,J,SX,SY[,SZ] with the image");
-    unpacked(reader, name, |input, head, _| {
-        let reader = open(Source { input, name }, head, columns)?;
+    unpacked(reader, name, |input, unpacking, head, _| {
+        let reader = open(Source { input, name, unpacking }, head, columns)?;
         body(Lists::new(reader, Choice::new(frame, false), name))
     })
 }
@@ -96,8 +97,14 @@ fn open<'a>(
         return Ok(Box::new(RowReader::new(array::Array::new(source))));
     }
     unread::refuse(head, name)?;
+    if head.starts_with(b"PK\x03\x04") {
+        return Ok(Box::new(Once::new(move || archive::read(source, columns))));
+    }
     let is_text = !head.contains(&0);
-    ensure!(is_text, "{name} is binary, and no npy; write the pairs as CSV with a header i,j");
+    ensure!(
+        is_text,
+        "{name} is binary, and no npy or npz; write the pairs as CSV with a header i,j"
+    );
     let lines = Lines::new(source);
     if head.starts_with(b"ITEM:") {
         return Ok(Box::new(dump::Dump::new(lines, columns)));

@@ -3,6 +3,7 @@
 //! **Decompression bombs.** Deflate shrinks repetitive data a thousandfold, but real coordinates to
 //! a half or a tenth. A file is refused if it expands to more than [`FREE`] bytes and more than
 //! [`MOST`] times its compressed bytes so far. So time and memory stay proportional to the file.
+//! Nested compression and all parts of a file count together.
 
 use std::cell::Cell;
 use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
@@ -16,19 +17,32 @@ const MOST: u64 = 200;
 /// Bytes that are unpacked without a check.
 const FREE: u64 = 64 << 20;
 
-pub(crate) struct Unpacked<'a, R> {
-    inner: MultiGzDecoder<R>,
-    taken: &'a Cell<u64>,
-    given: u64,
+#[derive(Debug, Default)]
+pub(crate) struct Unpacking {
+    taken: Cell<u64>,
+    given: Cell<u64>,
 }
 
-impl<'a, R: BufRead> Unpacked<'a, R> {
-    pub fn new(reader: R, taken: &'a Cell<u64>) -> Unpacked<'a, R> {
-        Unpacked { inner: MultiGzDecoder::new(reader), taken, given: 0 }
+impl Unpacking {
+    pub fn file<R>(&self, inner: R) -> Counted<'_, R> {
+        Counted { inner, unpacking: self }
+    }
+
+    pub fn unpacked<R>(&self, inner: R) -> Unpacked<'_, R> {
+        Unpacked { inner, unpacking: self }
+    }
+
+    pub fn gzip<R: BufRead>(&self, reader: R) -> Unpacked<'_, MultiGzDecoder<R>> {
+        self.unpacked(MultiGzDecoder::new(reader))
     }
 }
 
-impl<R: BufRead> Read for Unpacked<'_, R> {
+pub(crate) struct Unpacked<'a, R> {
+    inner: R,
+    unpacking: &'a Unpacking,
+}
+
+impl<R: Read> Read for Unpacked<'_, R> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let read = self.inner.read(bytes).map_err(|error| match error.kind() {
             UnexpectedEof | InvalidInput | InvalidData => io::Error::new(
@@ -40,8 +54,9 @@ impl<R: BufRead> Read for Unpacked<'_, R> {
             ),
             _ => error,
         })?;
-        self.given += read as u64;
-        if self.given > self.taken.get().saturating_mul(MOST).max(FREE) {
+        let Unpacking { taken, given } = self.unpacking;
+        given.set(given.get() + read as u64);
+        if given.get() > taken.get().saturating_mul(MOST).max(FREE) {
             let bomb = format!("it unpacks to more than {MOST} times its size; unpack it first");
             return Err(io::Error::other(bomb));
         }
@@ -49,16 +64,15 @@ impl<R: BufRead> Read for Unpacked<'_, R> {
     }
 }
 
-/// Counts the bytes that were taken from a file.
-pub(crate) struct Counted<'a, R> {
-    pub inner: R,
-    pub taken: &'a Cell<u64>,
+pub struct Counted<'a, R> {
+    inner: R,
+    unpacking: &'a Unpacking,
 }
 
 impl<R: Read> Read for Counted<'_, R> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let read = self.inner.read(bytes)?;
-        self.taken.set(self.taken.get() + read as u64);
+        self.unpacking.taken.set(self.unpacking.taken.get() + read as u64);
         Ok(read)
     }
 }

@@ -4,6 +4,7 @@ use std::io::{BufRead, Read};
 
 use anyhow::{Context, bail, ensure};
 
+use crate::raw::gzip::Unpacking;
 use crate::raw::room::numbered;
 
 /// Maximum length of a line in bytes. A longer line means that the file is not text.
@@ -12,6 +13,7 @@ pub const LONGEST_LINE: usize = 1 << 20;
 pub struct Source<'a> {
     pub input: &'a mut dyn BufRead,
     pub name: &'a str,
+    pub(crate) unpacking: &'a Unpacking,
 }
 
 impl Source<'_> {

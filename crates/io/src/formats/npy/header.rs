@@ -115,6 +115,14 @@ impl Header {
         self.rows.saturating_mul(self.columns.unwrap_or(1) as u64)
     }
 
+    /// Returns the numbers that were kept. The frame that is read next is number `frame`.
+    pub fn kept(&mut self, frame: u64) -> &[f64] {
+        let first = (frame * self.frame_size()) as usize;
+        let Some((all, at)) = &mut self.kept else { return &[] };
+        *at = first;
+        all
+    }
+
     pub fn values(
         &mut self,
         source: &mut Source<'_>,

@@ -19,7 +19,7 @@ use crate::columns::Column;
 use crate::options::Options;
 use crate::particles::Particles;
 use crate::raw::lines::Source;
-use crate::raw::room::numbered;
+use crate::raw::room::{numbered, room};
 use crate::types::RadiusSource;
 pub use fields::records;
 pub use frames::frames;
@@ -68,4 +68,38 @@ pub fn particles(
     })?;
     let last = RadiusSource::Column(format!("last of {columns} columns"));
     Ok((particles, if has_radii { last } else { RadiusSource::Missing }))
+}
+
+pub fn list(
+    source: &mut Source<'_>,
+    header: &mut Header,
+    label: &str,
+    column: Column,
+) -> anyhow::Result<Vec<f64>> {
+    let mut list = Vec::new();
+    let name = source.name;
+    header.values(source, header.count(), |row, value| {
+        let value = column.value(value).map_err(|why| {
+            anyhow!("{name}: particle {row} (from 0): a number of '{label}' {why}")
+        })?;
+        room(&mut list)?;
+        list.push(value);
+        Ok(())
+    })?;
+    Ok(list)
+}
+
+pub fn zip(axes: [Option<Vec<f64>>; 3], name: &str) -> anyhow::Result<Particles> {
+    let [Some(x), Some(y), z] = axes else {
+        bail!("{name}: arrays x and y of the same length are needed")
+    };
+    ensure!(
+        y.len() == x.len() && z.as_ref().is_none_or(|z| z.len() == x.len()),
+        "{name}: the arrays x, y, z and r are not of the same length"
+    );
+    let mut particles = Particles::new(2 + usize::from(z.is_some()), false);
+    for (k, (&x, &y)) in x.iter().zip(&y).enumerate() {
+        particles.push([x, y, z.as_ref().map_or(0.0, |z| z[k])], 0.0, 0)?;
+    }
+    Ok(particles)
 }

@@ -15,7 +15,8 @@
 //!
 //! In a file, `\t`, `\r`, `\0`, `\\` and `\xff` stand for bytes; `\` at the end of a line removes
 //! the line feed. A line `% <f8 (2,) 1 2` is an npy array, in Fortran order if its type ends in F.
-//! Each file is read a second time, compressed with gzip.
+//! Lines `%NAME <f8 (2,) 1 2` are arrays of an archive. Each file is read a second time, compressed
+//! with gzip.
 
 use std::fmt::Write;
 
@@ -43,19 +44,33 @@ fn number(kind: &str, x: f64) -> Vec<u8> {
     bytes
 }
 
-fn array(line: &str) -> Option<Vec<u8>> {
-    let (kind, rest) = line.strip_prefix("% ")?.split_once(" (")?;
+fn array(line: &str) -> Option<(&str, Vec<u8>)> {
+    let (name, rest) = line.strip_prefix('%')?.split_once(' ')?;
+    let (kind, rest) = rest.split_once(" (")?;
     let (shape, numbers) = rest.split_once(')')?;
     let fortran = if kind.ends_with('F') { "True" } else { "False" };
     let kind = kind.trim_end_matches('F');
     let words = numbers.split_whitespace().map(|word| word.parse().unwrap());
     let data: Vec<u8> = words.flat_map(|x| number(kind, x)).collect();
-    Some(npy_file(kind, fortran, &format!("({shape})"), &data))
+    Some((name, npy_file(kind, fortran, &format!("({shape})"), &data)))
+}
+
+fn archive(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let mut archive = Vec::new();
+    for (name, file) in files {
+        let (size, length) = ((file.len() as u32).to_le_bytes(), name.len() as u16 + 4);
+        archive.extend([b"PK\x03\x04", &[0; 14][..], &size, &size].concat());
+        archive.extend([&length.to_le_bytes(), &[0, 0], name.as_bytes(), b".npy", file].concat());
+    }
+    [&archive, &b"PK\x05\x06"[..], &[0; 18]].concat()
 }
 
 fn bytes(lines: &[&str]) -> Vec<u8> {
-    if let Some(array) = lines.first().and_then(|line| array(line)) {
-        return array;
+    let arrays: Vec<(&str, Vec<u8>)> = lines.iter().filter_map(|line| array(line)).collect();
+    match &arrays[..] {
+        [] => {}
+        [("", array)] => return array.clone(),
+        files => return archive(files),
     }
     let mut bytes = Vec::new();
     for line in lines {

@@ -1,0 +1,239 @@
+//! The particles of an npz archive, in one frame or several.
+
+use anyhow::{Context, anyhow, bail, ensure};
+
+use super::boxes::Cell;
+use super::members;
+use crate::columns::Column;
+use crate::columns::chosen::Chosen;
+use crate::formats::Indexed;
+use crate::formats::npy::{self, Header};
+use crate::frames::Framed;
+use crate::options::{Opened, Options};
+use crate::particles::sizes::{Ids, Size, one_of};
+use crate::particles::{Loaded, Particles, loaded, unused_sizes};
+use crate::raw::lines::{Source, short};
+use crate::raw::room::{room, room_for};
+use crate::raw::scalars::Scalar;
+use crate::types::{About, Notice, RadiusSource};
+
+pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
+    Box::new(Indexed::<Scenes>::new(source, options))
+}
+
+/// An array of sizes, which is in memory while frames are read.
+struct Array {
+    header: Header,
+    label: String,
+    column: Column,
+}
+
+#[derive(Default)]
+struct Scenes {
+    axes: [Option<Vec<f64>>; 3],
+    /// Particles of an archive without frames, and the source of their radii.
+    whole: Option<(Particles, RadiusSource)>,
+    frames: Option<Header>,
+    /// Name of the array of points, with or without frames.
+    points: Option<String>,
+    sizes: Vec<Array>,
+    around: Cell,
+    ids: Vec<Ids>,
+    names: Vec<String>,
+    others: Vec<String>,
+    /// Notices about arrays of sizes that are unused because the options give a radius.
+    unused: Vec<Notice>,
+}
+
+impl Framed for Indexed<'_, Scenes> {
+    fn begin(&mut self) -> anyhow::Result<Option<String>> {
+        let options = self.options;
+        let read = |source: &mut Source<'_>| {
+            let mut read = Scenes::default();
+            members(source, |mut member, file| read.member(&mut member, file, options))?;
+            read.settle(source.name, options)?;
+            Ok(read)
+        };
+        self.next_of(read, |scenes| scenes.count().unwrap_or(1))
+    }
+
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<Loaded>> {
+        let Indexed { source, options, index: Some(scenes), next } = self else { return Ok(None) };
+        let k = *next - 1;
+        let read = keep.then(|| scenes.frame(k, source, *options)).transpose();
+        if scenes.count().is_some() { read.with_context(|| format!("frame {k}")) } else { read }
+    }
+}
+
+impl Scenes {
+    fn count(&self) -> Option<u64> {
+        self.frames.as_ref()?.frames
+    }
+
+    fn member(
+        &mut self,
+        source: &mut Source<'_>,
+        file: &str,
+        options: Options,
+    ) -> anyhow::Result<()> {
+        let Some(label) = file.strip_suffix(".npy") else { return Ok(()) };
+        room(&mut self.names)?;
+        self.names.push(label.to_string());
+        let column = Chosen::meaning(options.columns, label);
+        let is_box = column == Column::Other && Cell::is_named(label);
+        let mut header = match npy::any_header(source) {
+            Ok(header) => header,
+            Err(_) if matches!(column, Column::Other | Column::Id) && !is_box => {
+                self.others.push(label.to_string());
+                return Ok(());
+            }
+            Err(error) => return Err(error),
+        };
+        match (&header.sizes[..], column) {
+            _ if is_box => self.around.take(source, &mut header, label, options)?,
+            _ if !header.fields.is_empty() => {
+                let read = npy::records(source, &header, options)?;
+                self.has_points(label, source.name)?;
+                self.whole = Some((read.particles, read.columns.radius()));
+            }
+            (&[_], _) if options.ids && Ids::is_named(label, column) => {
+                let mut ids = Ids::new(label, column);
+                header.values(source, header.count(), |_, value| ids.push(value))?;
+                self.ids.push(ids);
+            }
+            (_, Column::Radius | Column::Diameter) if is_size(&header, label, options) => {
+                header.keep(source)?;
+                self.sizes.push(Array { header, label: label.to_string(), column });
+            }
+            (&[_, 2..=4], _) if header.is_real() => {
+                self.has_points(label, source.name)?;
+                self.whole = Some(npy::particles(source, &mut header, options)?);
+            }
+            (&[frames, rows, 2..=4], _) if header.is_real() && frames.min(rows) > 0 => {
+                self.has_points(label, source.name)?;
+                header.keep(source)?;
+                self.frames = Some(header);
+            }
+            (&[_] | &[_, 1], Column::Axis(k)) => {
+                self.axes[k] = Some(npy::list(source, &mut header, label, column)?);
+            }
+            (_, Column::Axis(_)) => bail!(
+                "{}: '{}' is {}; x, y and z have one number for each particle, shape (N,); frames \
+                 are one array of shape (frames, N, 3): numpy.stack([x, y, z], axis=-1)",
+                source.name,
+                short(label),
+                header.words()
+            ),
+            _ => self.others.push(label.to_string()),
+        }
+        Ok(())
+    }
+
+    fn has_points(&mut self, label: &str, place: &str) -> anyhow::Result<()> {
+        let label = short(label);
+        if let Some(other) = self.points.replace(label.clone()) {
+            bail!("{place}: '{other}' and '{label}' could both hold the particles; keep one array");
+        }
+        Ok(())
+    }
+
+    /// Decides which array holds the points of all frames, and which holds their sizes.
+    fn settle(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
+        if let Some(chosen) = options.columns {
+            chosen.among(&self.names, name)?;
+        }
+        let has = |label: &str| self.others.iter().any(|other| other.eq_ignore_ascii_case(label));
+        if !options.sizes_chosen() && has("g") && has("b") {
+            let red = |size: &mut Array| size.label.eq_ignore_ascii_case("r");
+            self.others.extend(self.sizes.extract_if(.., red).map(|size| size.label));
+        }
+        let axes = self.axes.iter().any(Option::is_some);
+        let rows = |of: &Array| matches!(of.header.sizes[..], [_, 2..=4]) && of.header.is_real();
+        // If no other array holds points, sizes with 2 to 4 columns are points.
+        if let Some(k) = self.sizes.iter().position(rows).filter(|_| !axes && self.points.is_none())
+        {
+            let Array { header, label, .. } = self.sizes.swap_remove(k);
+            self.has_points(&label, name)?;
+            self.frames = Some(header);
+        }
+        if let Some(given) = options.radius {
+            let unused = self.sizes.drain(..).map(|size| unused_sizes(&size.label, given));
+            self.unused.extend(unused);
+        }
+        match (&self.points, &self.axes) {
+            (Some(_), [None, None, None]) | (None, [Some(_), Some(_), _]) => Ok(()),
+            (Some(label), _) => {
+                bail!("{name} holds points in '{label}' and in x, y, z, too; keep one of them")
+            }
+            (None, _) => bail!(
+                "{name} holds neither arrays x and y nor one of shape (N, 2) to (N, 4), or \
+                 (frames, N, 2) to (frames, N, 4), in f8 or f4"
+            ),
+        }
+    }
+
+    fn frame(
+        &mut self,
+        k: u64,
+        source: &mut Source<'_>,
+        options: Options,
+    ) -> anyhow::Result<Loaded> {
+        let (name, frame) = (source.name, self.count().map(|frames| [k, frames]));
+        let (mut particles, mut radius) = match (&mut self.frames, self.whole.take()) {
+            (Some(points), _) => {
+                points.kept(k);
+                npy::particles(source, points, options)?
+            }
+            (None, Some(whole)) => whole,
+            (None, None) => {
+                (npy::zip(std::mem::take(&mut self.axes), name)?, RadiusSource::Missing)
+            }
+        };
+        let n = particles.len();
+        particles.ids = particles.ids.or_else(|| Ids::of(self.ids.clone(), n));
+        particles.notices.extend(self.unused.iter().cloned());
+        let of_frame = |size| of_frame(size, n, frame).with_context(|| name.to_string());
+        let sizes = self.sizes.iter_mut().map(of_frame).collect::<anyhow::Result<_>>()?;
+        if let Some(size) = one_of(sizes, name, &mut particles.notices)? {
+            let (twice, label) = (particles.has_radii(), short(&size.label));
+            ensure!(!twice, "{name} holds radii in the array of points and in '{label}'; keep one");
+            (radius, particles.radii) = size.radii();
+        }
+        particles.unused.extend(self.others.iter().take(256).cloned());
+        let declared = self.around.declared(frame, name, options, &mut particles.notices)?;
+        let (particles, about) = loaded("NumPy npz", particles, radius);
+        Ok((particles, About { declared, ..about }))
+    }
+}
+
+/// Whether the array has sizes. Bytes named r are colours (red), unless they are chosen.
+fn is_size(header: &Header, label: &str, options: Options) -> bool {
+    options.sizes_chosen() || header.kind != Scalar::U8 || !label.eq_ignore_ascii_case("r")
+}
+
+/// Returns the sizes of one frame. The array has one size in all, one per particle, or one per
+/// particle and frame.
+fn of_frame(size: &mut Array, n: usize, frame: Option<[u64; 2]>) -> anyhow::Result<Size> {
+    let Array { header, label, column } = size;
+    let (shape, mut values) = (header.sizes.clone(), Vec::new());
+    let all = header.kept(0);
+    room_for(&mut values, n)?;
+    match (&shape[..], frame) {
+        (&[length] | &[length, 1], _) if length == n as u64 => values.extend(all),
+        (&[frames, length], Some([k, of])) if (frames, length) == (of, n as u64) => {
+            values.extend(&all[k as usize * n..][..n]);
+        }
+        _ if all.len() == 1 => values.resize(n, all[0]),
+        _ => bail!(
+            "{n} points, but '{}' has the shape {}; write one number, or shape ({n},)",
+            short(label),
+            npy::shape(&shape)
+        ),
+    }
+    for (k, value) in values.iter_mut().enumerate() {
+        let of = column.value(*value);
+        *value =
+            of.map_err(|why| anyhow!("particle {k} (from 0): '{}': {value} {why}", short(label)))?;
+    }
+    Ok(Size { values, column: *column, label: label.clone(), of_cells: false })
+}

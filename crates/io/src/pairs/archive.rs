@@ -1,0 +1,139 @@
+//! Contact lists in npz archives: arrays `i` and `j` of whole numbers, named like the columns of a
+//! table, or one array of pairs. Images are arrays `sx`, `sy`, `sz`, or one array `S` of shape
+//! (pairs, 2) or (pairs, 3).
+
+use anyhow::{Context, bail, ensure};
+
+use super::array::Array;
+use super::columns::{Columns, is_image};
+use super::list::List;
+use super::{RowReader, push};
+use crate::formats::npy::{self, Header};
+use crate::formats::npz;
+use crate::frames::{Choice, Reader};
+use crate::raw::lines::{Source, exact, listed, short};
+use crate::raw::room::room;
+use crate::types::{FrameChoice, assumed};
+
+/// Names that numpy.savez gives to unnamed arrays.
+const UNNAMED: [&str; 2] = ["arr_0", "arr_1"];
+
+#[derive(Default)]
+struct Arrays {
+    names: Vec<String>,
+    columns: Vec<Vec<i64>>,
+    others: Vec<String>,
+    /// Two-dimensional arrays, each with its name and its list, or the reason why it is not a list.
+    tables: Vec<(String, anyhow::Result<List>)>,
+}
+
+pub(super) fn read(mut source: Source<'_>, chosen: &[&str]) -> anyhow::Result<List> {
+    let mut arrays = Arrays::default();
+    npz::members(&mut source, |member, name| arrays.member(member, name))?;
+    arrays.finish(source.name, chosen)
+}
+
+impl Arrays {
+    fn member(&mut self, mut source: Source<'_>, name: &str) -> anyhow::Result<()> {
+        let Some(label) = name.strip_suffix(".npy").map(str::to_string) else { return Ok(()) };
+        let Ok(mut header) = npy::header(&mut source) else { return Ok(()) };
+        match header.columns {
+            None => match columns(&mut source, &mut header, 1)?.and_then(|mut it| it.pop()) {
+                Some(column) => {
+                    self.names.push(label);
+                    self.columns.push(column);
+                }
+                None => self.others.push(label),
+            },
+            Some(count @ 2..=3) if is_image(&label) => {
+                let of = columns(&mut source, &mut header, count)?;
+                let place = || format!("{}: an image is not a whole number", source.name);
+                self.columns.extend(of.with_context(place)?);
+                self.names.extend(["sx", "sy", "sz"].into_iter().take(count).map(String::from));
+            }
+            Some(_) => {
+                let mut array = RowReader::new(Array::behind(source, header));
+                let list = array.next(&mut Choice::new(FrameChoice::Only, false));
+                self.tables.push((label, list.map(Option::unwrap_or_default)));
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self, name: &str, chosen: &[&str]) -> anyhow::Result<List> {
+        let place = || name.to_string();
+        let mut named = match chosen.is_empty() || !self.names.is_empty() {
+            true => Columns::named(&self.names, chosen, place)?,
+            false => None,
+        };
+        let mut notices = Vec::new();
+        if named.is_none() && self.names == UNNAMED {
+            named = Some(Columns::bare(2));
+            notices.push(assumed!("the arrays arr_0 and arr_1 are taken as i and j"));
+        }
+        let Some(columns) = named else { return self.table(name) };
+        let framed = self.names.iter().any(|it| ["frame", "step", "timestep"].contains(&&**it));
+        ensure!(!framed, "{name}: pairs of several frames are read from CSV, with a column frame");
+        let pair @ [i, j] = columns.pair;
+        let all = columns.image.iter().chain(&pair);
+        let n = self.columns[i].len();
+        for &k in all {
+            let (other, found) = (short(&self.names[k]), self.columns[k].len());
+            ensure!(found == n, "{name}: '{other}' has {found} numbers, and there are {n} pairs");
+        }
+        let mut list = List { format: "NumPy npz", notices, ..List::default() };
+        for row in 0..n {
+            let mut numbers = [0; 3];
+            let of = columns.image.iter().map(|&k| self.columns[k][row]);
+            numbers.iter_mut().zip(of).for_each(|(to, from)| *to = from);
+            let pair = [self.columns[i][row], self.columns[j][row]];
+            let image = (!columns.image.is_empty()).then_some(numbers);
+            push(&mut list, pair, image, || format!("{name}: pair {row}"))?;
+        }
+        columns.end(&mut list);
+        list.others.extend(self.others.iter().map(|name| super::Other {
+            name: short(name),
+            named: true,
+            whole: false,
+        }));
+        Ok(list)
+    }
+
+    fn table(&mut self, name: &str) -> anyhow::Result<List> {
+        let good = self.tables.iter().filter(|(_, list)| list.is_ok()).count();
+        let all: Vec<&str> = self.tables.iter().map(|(label, _)| &**label).collect();
+        ensure!(
+            good <= 1,
+            "{name}: several arrays may hold the pairs: {}; name two i and j, or keep one",
+            listed(&all)
+        );
+        let which = self.tables.iter().position(|(_, list)| list.is_ok() || good == 0);
+        let Some(k) = which else {
+            let mut all = std::mem::take(&mut self.names);
+            all.append(&mut self.others);
+            bail!(
+                "{name} holds no arrays i and j, and none of shape (pairs, 2); there are: {}",
+                listed(&all)
+            )
+        };
+        Ok(List { format: "NumPy npz", ..self.tables.swap_remove(k).1? })
+    }
+}
+
+/// Reads `count` columns of an array; `None` if a number is not whole.
+fn columns(
+    source: &mut Source<'_>,
+    header: &mut Header,
+    count: usize,
+) -> anyhow::Result<Option<Vec<Vec<i64>>>> {
+    let mut columns = vec![Vec::new(); count];
+    let mut are_whole = true;
+    header.values(source, header.frame_size(), |k, value| {
+        let column = &mut columns[k as usize % count];
+        are_whole &= exact(value).is_some();
+        room(column)?;
+        column.push(value as i64);
+        Ok(())
+    })?;
+    Ok(are_whole.then_some(columns))
+}
