@@ -2,7 +2,6 @@
 
 mod limits;
 mod output;
-mod real_data;
 
 use contactbench::io::{self, Options};
 use contactbench::scene::spec::Spec;

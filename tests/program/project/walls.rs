@@ -56,14 +56,6 @@ fn is_rust(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "rs")
 }
 
-#[test]
-fn modules_have_one_form() {
-    for path in ["src", "crates"].iter().flat_map(|name| below(name)) {
-        let beside = is_rust(&path) && path.with_extension("").is_dir();
-        assert!(!beside, "{}: mod.rs", path.display());
-    }
-}
-
 /// Only the table of detectors names them; other files use fields of its entries. The core, the
 /// campaigns and the traces of single detectors are excepted.
 #[test]

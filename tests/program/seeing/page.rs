@@ -1,11 +1,9 @@
 //! Tests `report.html`: its values are those of the record, and its script works in a browser.
 
-use std::path::PathBuf;
-
 use contactbench::record::folder::{copies, seal};
 use serde_json::{Value, json};
 
-use super::browser::Browser;
+use super::browser::in_browser;
 use crate::common::Place;
 
 /// A detector's name that would run a script if it were not escaped.
@@ -76,7 +74,7 @@ fn rows() -> Vec<Value> {
     rows
 }
 
-pub fn report(at: &Place) -> PathBuf {
+pub fn report(at: &Place) {
     std::fs::create_dir_all(at.path("experiments")).unwrap();
     at.file("experiments/e.toml", EXPERIMENT);
     let sealed = |value: &Value| seal::sealed(&value.to_string()) + "\n";
@@ -85,7 +83,6 @@ pub fn report(at: &Place) -> PathBuf {
     at.file("provenance.json", sealed(&provenance));
     at.file("samples.jsonl", rows().iter().map(sealed).collect::<String>());
     at.good("report .");
-    at.path("report.html")
 }
 
 #[test]
@@ -115,36 +112,35 @@ fn a_page_has_every_result_and_takes_nothing_for_markup() {
 #[test]
 fn the_page_sorts_filters_and_highlights_in_a_browser() {
     let at = Place::new();
-    let page = report(&at);
-    let Some(browser) = Browser::open(1280, 1000) else { return };
-    browser.show(&page);
-    assert_eq!(browser.run("return window.evil ?? null"), Value::Null);
-    let count = |css: &str| -> usize {
-        browser.get(&format!("return document.querySelectorAll({css:?}).length"))
-    };
-    assert_eq!((count("figure svg"), count(".results tbody tr")), (1, 64));
-    let column = "td:nth-child(5)";
-    let times = || -> Vec<String> {
-        browser.get(&format!(
-            "return [...document.querySelectorAll('.results tbody {column}')].map((it) => \
-             it.textContent)"
-        ))
-    };
-    for sign in [1.0, -1.0] {
-        browser.click(".results th:nth-child(5) button");
-        let numbers = times().into_iter().map_while(|text| text.parse::<f64>().ok());
+    report(&at);
+    let html = at.read("report.html");
+    let helpers = "const all = (css) => [...document.querySelectorAll(css)]; const count = (css) => \
+                   all(css).length; const type = (text) => { const it = all('#words')[0]; it.value \
+                   = text; it.dispatchEvent(new Event('input')); };";
+    let run = |place: &str, code: &str| in_browser(&html, place, &(helpers.to_string() + code));
+    let opened = "return [window.evil ?? null, count('figure svg'), count('.results tbody tr')]";
+    let Some(opened) = run("", opened) else { return };
+    assert_eq!(opened, json!([null, 1, 64]));
+    let sorted = "return [1, 2].map(() => { all('.results th:nth-child(5) button')[0].click(); \
+                  return all('.results tbody td:nth-child(5)').map((it) => it.textContent); })";
+    let sorted: [Vec<String>; 2] = serde_json::from_value(run("", sorted).unwrap()).unwrap();
+    for (sign, times) in [1.0, -1.0].into_iter().zip(sorted) {
+        let numbers = times.into_iter().map_while(|text| text.parse::<f64>().ok());
         let numbers: Vec<f64> = numbers.map(|time| sign * time).collect();
         assert!(numbers.len() == 60 && numbers.is_sorted(), "{numbers:?}");
     }
-    browser.keys("#words", "nbs exact packed");
-    assert_eq!((count(".results tbody tr"), browser.text("#count")), (6, " 6 of 64 rows".into()));
-    browser.run("location.reload()");
-    assert_eq!(count(".results tbody tr"), 6, "the address keeps the filter");
-    browser.click(".who button:nth-child(2)");
-    assert_eq!(count(".results tr.chosen"), 6);
-    let faded = count("figure svg .faded");
-    assert!(faded > 0 && faded < count("figure svg *"));
-    browser.click(".who button:nth-child(2)");
-    assert_eq!((count(".faded"), count(".chosen")), (0, 0));
-    assert_eq!(browser.log(), [""; 0]);
+    let typed = "type('nbs exact packed'); return [count('.results tbody tr'), \
+                 all('#count')[0].textContent, location.hash]";
+    let typed = run("", typed).unwrap();
+    assert_eq!((&typed[0], &typed[1]), (&json!(6), &json!(" 6 of 64 rows")));
+    let place = typed[2].as_str().unwrap();
+    let chosen = "const button = all('.who button')[1]; const shown = () => \
+                  [count('.results tbody tr'), count('.results tr.chosen'), count('figure svg \
+                  .faded'), count('figure svg *')]; button.click(); const first = shown(); \
+                  button.click(); return [first, shown()]";
+    let chosen: [[usize; 4]; 2] = serde_json::from_value(run(place, chosen).unwrap()).unwrap();
+    let [[rows, chosen, faded, parts], after] = chosen;
+    assert_eq!((rows, chosen), (6, 6), "the address keeps the filter");
+    assert!(faded > 0 && faded < parts);
+    assert_eq!(after[1..3], [0, 0]);
 }

@@ -1,10 +1,10 @@
 //! Tests pages that step through a trace.
 
 use contactbench::views::trace::{Algorithm, page, trace};
+use serde_json::json;
 
 use super::ALL;
-use super::browser::Browser;
-use crate::common::Place;
+use super::browser::in_browser;
 
 /// The page of a trace loads no other files, escapes any name, and contains readable data.
 #[test]
@@ -32,37 +32,25 @@ fn a_page_needs_nothing_else_and_holds_any_name() {
 /// A page opens at the step in its address; keys, buttons and the bar change the step.
 #[test]
 fn a_page_steps_in_a_browser() {
-    let Some(browser) = Browser::open(1200, 900) else { return };
-    let at = Place::new();
     let trace = trace(Algorithm::Screening, None).unwrap();
-    browser.show(&at.file("page.html", page::html(&trace, "in a browser")));
-    let text = |id: &str| browser.run(&format!("return $('{id}').textContent"));
-    browser.run("location.hash = '#45'; show(45)");
-    assert_eq!(text("step"), "step 45 of 69");
-    for (key, step) in [
-        ("ArrowRight", 46),
-        (" ", 47),
-        ("PageDown", 48),
-        ("ArrowLeft", 47),
-        ("End", 69),
-        ("ArrowRight", 69),
-        ("Home", 0),
-        ("ArrowLeft", 0),
-    ] {
-        browser.run(&format!("dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}' }}))"));
-        assert_eq!(browser.run("return at"), step, "{key}");
-    }
-    browser.click("#next");
-    assert_eq!(browser.run("return at"), 1);
-    browser.run("$('bar').value = 20; $('bar').dispatchEvent(new Event('input'))");
-    assert_eq!(browser.run("return location.hash"), "#20");
+    let html = page::html(&trace, "in a browser");
+    let keys =
+        ["ArrowRight", " ", "PageDown", "ArrowLeft", "End", "ArrowRight", "Home", "ArrowLeft"];
+    let code = "const text = (id) => $(id).textContent; const opened = text('step'); const reached \
+                = keys.map((key) => { dispatchEvent(new KeyboardEvent('keydown', { key })); return \
+                at; }); $('next').click(); reached.push(at); $('bar').value = 20; \
+                $('bar').dispatchEvent(new Event('input')); return [opened, reached, location.hash, \
+                text('words'), text('counts'), $('contacts').getAttribute('d').split('M').length - \
+                1, text('arrays').length > 100]";
+    let Some(found) = in_browser(&html, "#45", &format!("const keys = {keys:?}; {code}")) else {
+        return;
+    };
     let step = &trace.steps[20];
-    assert_eq!(text("words"), step.words);
+    let counts = found[4].as_str().unwrap();
     let tests = step.tally.get(contactbench_ground::probe::Op::ContactTest);
-    let counts = text("counts");
-    assert!(counts.as_str().unwrap().ends_with(&format!("contact test {tests}")), "{counts}");
-    let contacts = browser.run("return $('contacts').getAttribute('d').split('M').length - 1");
-    assert_eq!(contacts, step.state.contacts.len());
-    assert!(browser.run("return $('arrays').textContent.length").as_u64() > Some(100));
-    assert!(browser.log().is_empty(), "{:?}", browser.log());
+    assert!(counts.ends_with(&format!("contact test {tests}")), "{counts}");
+    let reached = [46, 47, 48, 47, 69, 69, 0, 0, 1];
+    let contacts = step.state.contacts.len();
+    let expected = json!(["step 45 of 69", reached, "#20", step.words, counts, contacts, true]);
+    assert_eq!(found, expected);
 }
