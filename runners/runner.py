@@ -80,25 +80,6 @@ class Box:
             self.vectors[row] = axis * (high - low + 4.0 * reach)
             self.origin += axis * (low - 2.0 * reach - self.origin @ axis)
 
-    def edges(self):
-        """Return the edges of a box that is not tilted."""
-        if np.count_nonzero(self.vectors - np.diag(np.diag(self.vectors))):
-            raise Refusal("the library does not support tilted boxes")
-        return np.diag(self.vectors)
-
-    def holds(self, reach):
-        """Refuse unless faces are more than twice the reach apart, which libraries need if they
-        find only the nearest image of each pair."""
-        heights = 1.0 / np.linalg.norm(np.linalg.inv(self.vectors), axis=0)
-        if np.float32(2.0 * reach) >= np.float32(heights.min()):
-            raise Refusal("the library needs a box wider than twice the distance")
-
-    def wrapped(self, centres):
-        """Return the centres in the box, relative to its corner, and the vectors subtracted."""
-        places = centres - self.origin
-        moved = np.where(self.periodic, np.floor(places @ np.linalg.inv(self.vectors)), 0.0)
-        return places - moved @ self.vectors, moved.astype(np.int64)
-
     def nearest(self, centres, i, j):
         """Return the image of j nearest to i for each pair; may fail in tilted boxes smaller than
         twice the distance."""

@@ -14,10 +14,6 @@ Pairs: TypeAlias = npt.NDArray[np.uint32]
 Images: TypeAlias = npt.NDArray[np.int32]
 
 
-def _threads(threads: int) -> int:
-    return count(threads, "threads", 1, 1024)
-
-
 def _named(detector: str) -> str:
     return native.DEFAULT if detector == "auto" else detector
 
@@ -40,15 +36,6 @@ def contacts(
     arithmetic: str = "exact",
     threads: int = 1,
 ) -> tuple[Pairs, Images]: ...
-@overload
-def contacts(
-    x: npt.ArrayLike,
-    r: npt.ArrayLike,
-    box: BoxLike | None,
-    detector: str = "auto",
-    arithmetic: str = "exact",
-    threads: int = 1,
-) -> tuple[Pairs, Images | None]: ...
 def contacts(
     x: npt.ArrayLike,
     r: npt.ArrayLike,
@@ -114,7 +101,7 @@ def contacts(
     """
     centres, radii, edges = arrays(x, r, box)
     most = native.limit_for(len(centres)) if centres.ndim == 2 else None
-    search = native.Search(_named(detector), False, arithmetic, _threads(threads), most)
+    search = native.Search(_named(detector), False, arithmetic, count(threads, "threads"), most)
     return search.contacts(centres, radii, edges)
 
 
@@ -151,10 +138,6 @@ class _Search:
     def contacts(
         self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike
     ) -> tuple[Pairs, Images]: ...
-    @overload
-    def contacts(
-        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None
-    ) -> tuple[Pairs, Images | None]: ...
     def contacts(
         self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None
     ) -> tuple[Pairs, Images | None]:
@@ -197,7 +180,7 @@ class Detector(_Search):
         memory_limit: int | None = None,
     ) -> None:
         self._native = native.Search(
-            _named(detector), False, arithmetic, _threads(threads), limit(memory_limit)
+            _named(detector), False, arithmetic, count(threads, "threads"), limit(memory_limit)
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -268,7 +251,7 @@ class Verlet(_Search):
         tracker = f"verlet({_named(detector)},rule={rule},skin={skin})"
         self._asked = (detector, skin, rule, arithmetic, threads, memory_limit)
         self._native = native.Search(
-            tracker, True, arithmetic, _threads(threads), limit(memory_limit)
+            tracker, True, arithmetic, count(threads, "threads"), limit(memory_limit)
         )
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -19,8 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _contactbench as native
-from ._boxes import numbers
-from ._contacts import _threads
+from ._boxes import count, numbers
 
 if TYPE_CHECKING:
     from ._contactbench import Edges
@@ -120,7 +119,8 @@ def _found(
     edges = _edges(cell, pbc, x.shape[1])
     if memory_limit is None:
         memory_limit = max(native.limit_for(len(x)), 4 << 30)
-    search = native.Search(native.DEFAULT, False, _RULES[rule], _threads(threads), memory_limit)
+    threads = count(threads, "threads")
+    search = native.Search(native.DEFAULT, False, _RULES[rule], threads, memory_limit)
     asked = {"half": False, "sorted": False, "shifts": False, "vectors": False} | wanted
     return native.neighbours(search, x, half, edges, asked)
 

@@ -124,8 +124,6 @@ def test_an_unknown_convention_is_a_failure_with_the_closest():
     found = contactbench.check_neighbours(fewer)
     assert not found and "1 missing" in found.trouble and "d <= cutoff" in found.trouble
     assert "WRONG: " in str(found) and found.systems == 0
-    with pytest.raises(ValueError, match="rule of the convention is '='"):
-        contactbench.check_neighbours(fewer, convention="rule==")
 
 
 def test_failures_print_and_save_what_shows_them(tmp_path):
@@ -215,20 +213,6 @@ def test_a_recognised_convention_is_no_surprise():
     assert f"(test_kit.py, line {line})" in found.trouble
     found = contactbench.check_neighbours(lambda *arguments: None)
     assert "a NoneType, not a tuple of arrays; return three arrays" in found.trouble
-
-
-@pytest.mark.parametrize(
-    "options, words",
-    [
-        ({"cases": ["melt"]}, "there is no case 'melt'; the cases are: liquid"),
-        ({"division": "f32"}, "division is 'f32'"),
-        ({"cutoffs": [0.0]}, "cutoffs are"),
-        ({"convention": "order=2"}, "no field 'order'"),
-    ],
-)
-def test_wrong_options_are_refused(options, words):
-    with pytest.raises(ValueError, match=words):
-        contactbench.check_neighbours(mutants.right, **options)
 
 
 def run(*arguments):

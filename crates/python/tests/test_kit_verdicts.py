@@ -17,8 +17,6 @@ from contactbench.kit.checking import CUTOFFS, systems_of
 from contactbench.kit.systems import OPEN, Refusal, System, system
 from contactbench.kit.truth import band, half_list, tolerant_list, undecided, widest_band
 
-UPPER = "upper faces of skewed cells"
-
 
 def check(f, *cases, **options):
     return contactbench.check_neighbours(f, cases=cases or None, **{"convention": "ase", **options})
@@ -194,6 +192,10 @@ def test_answers_that_are_no_lists_are_failures(answer):
 @pytest.mark.parametrize(
     "options, words",
     [
+        ({"cases": ["melt"]}, "there is no case 'melt'; the cases are: liquid"),
+        ({"division": "f32"}, "division is 'f32'"),
+        ({"cutoffs": [0.0]}, "cutoffs are"),
+        ({"convention": "order=2"}, "no field 'order'"),
         ({"seed": -1}, "seed is -1; give a whole number of at least 0"),
         ({"convention": "base=x"}, "base of the convention is 'x'; give one of 0, 1"),
         ({"call_seconds": 0}, "call_seconds is 0; give a number above 0"),
@@ -201,9 +203,9 @@ def test_answers_that_are_no_lists_are_failures(answer):
         ({"cutoffs": ["wide"]}, "cutoffs are .*; give a sequence of numbers"),
     ],
 )
-def test_options_that_are_out_of_range_are_refused(options, words):
+def test_wrong_options_are_refused(options, words):
     with pytest.raises(ValueError, match=words):
-        check(mutants.right, "gas", **options)
+        contactbench.check_neighbours(mutants.right, **{"cases": ["gas"], **options})
 
 
 def test_reports_need_a_folder(tmp_path, capfd):
@@ -213,11 +215,6 @@ def test_reports_need_a_folder(tmp_path, capfd):
     (tmp_path / "file").write_text("")
     assert main([*arguments, "--save", str(tmp_path / "file")]) == 2
     assert "the report cannot be written" in capfd.readouterr().err
-
-
-def test_atoms_on_upper_faces_are_a_case():
-    assert check(mutants.right, UPPER).systems == 8
-    assert check(CellList("bins in single precision"), UPPER).cases == {UPPER: "wrong"}
 
 
 def test_the_form_of_batches_is_recognised_beside_a_declared_convention():

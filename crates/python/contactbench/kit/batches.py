@@ -12,7 +12,7 @@ import numpy as np
 from .asking import Asker, Hang, called, division_of, raised
 from .cases import Case
 from .compare import NONE, Difference, compare, failed
-from .convention import Convention, Malformed, parts, with_
+from .convention import Convention, Malformed, parts
 from .recognise import outside, probes
 from .shrinking import shrink
 from .systems import OPEN, PERIODIC, Random, Refusal, System, inside, skewed
@@ -126,7 +126,7 @@ class BatchAsker:
         apart = owner[i] != owner[j]
         rows = np.column_stack([i, j, np.zeros((len(i), 3), dtype=np.int64)])
         found = [Difference(NONE, rows[apart], NONE, NONE, 0)]
-        flat, start = with_(convention, layout="flat", padding=False), 0
+        flat, start = replace(convention, layout="flat", padding=False), 0
         for number, system in enumerate(batch):
             own = ~apart & (owner[i] == number)
             local = [i[own] - start + flat.base, j[own] - start + flat.base]
@@ -155,7 +155,7 @@ def recognised(asker: Asker, f: Callable[..., Any]) -> Convention:
     for pbc in (PERIODIC, OPEN):
         pair = tuple(replace(s, pbc=pbc) for s in (next(probes())[1], outside()))
         for systems in ("index", "offsets"):
-            trial = replace(asker, convention=with_(asker.convention, systems=systems))
+            trial = replace(asker, convention=replace(asker.convention, systems=systems))
             try:
                 wrong = BatchAsker(trial, f).wrong(pair)
             except Refusal:

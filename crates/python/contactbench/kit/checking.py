@@ -27,7 +27,7 @@ from .batches import (
 from .cases import CASES, Case
 from .causes import cause_of
 from .compare import Difference, failed
-from .convention import ASE, Convention, with_
+from .convention import ASE, Convention
 from .failure import NeighbourFailure
 from .recognise import Recognised, recognise
 from .result import NeighbourCheck
@@ -180,13 +180,13 @@ def recognised_convention(asker: Asker, batch: Callable[..., Any] | None) -> Rec
     if asker.batched and found.trouble:
 
         def by_offsets(system: System, convention: Convention) -> Any:
-            return asker.call(system, with_(convention, systems="offsets"))
+            return asker.call(system, replace(convention, systems="offsets"))
 
         other = recognise(by_offsets, asker.refuses)
         trouble = f"{found.trouble}; by offsets, {other.trouble}" if other.trouble else ""
         found = found if trouble else other
         systems: Literal["index", "offsets"] = "index" if trouble else "offsets"
-        found = Recognised(with_(found.convention, systems=systems), trouble)
+        found = Recognised(replace(found.convention, systems=systems), trouble)
     if batch is not None and not found.trouble:
         found = Recognised(recognised(replace(asker, convention=found.convention), batch))
     return found

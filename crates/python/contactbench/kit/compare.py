@@ -13,29 +13,18 @@ from .systems import Rows, System
 
 @dataclass(frozen=True)
 class Difference:
-    """How an answer differs from the truth.
-
-    Attributes
-    ----------
-    missing, extra, doubled : ndarray of int64, shape (M, 5)
-        Rows (i, j, S) in the convention of ASE: pairs not listed, pairs that are no neighbours,
-        and pairs listed too often.
-    answer : ndarray of int64, shape (M, 5)
-        The whole answer.
-    needed : int
-        Number of rows that the answer must hold.
-    band : float
-        The widest rounding band; 0 in the exact division.
-    text : str
-        The error, if the answer is no list of pairs.
-    """
+    """How an answer differs from the truth, as rows (i, j, S) in the convention of ASE."""
 
     missing: Rows
     extra: Rows
     doubled: Rows
+    #: The whole answer.
     answer: Rows
+    #: Number of rows that the answer must hold.
     needed: int
+    #: The widest rounding band; 0 in the exact division.
     band: float = 0.0
+    #: The error, if the answer is no list of pairs.
     text: str = ""
 
     @property

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Any, Literal, get_args, get_type_hints
 
 import numpy as np
 
@@ -68,32 +68,27 @@ class Convention:
     @classmethod
     def parse(cls, text: str) -> Convention:
         """Read ``pairs=half,rule=<=,base=1``; fields left out are those of ASE (also ``ase``)."""
-        kinds = {field.name: getattr(cls, field.name) for field in fields(cls)}
+        choices = {
+            name: (True, False) if kind is bool else get_args(kind)
+            for name, kind in get_type_hints(cls).items()
+        }
         chosen: dict[str, Any] = {}
         for part in text.split(","):
             name, _, value = part.strip().partition("=")
             if name in ("", "ase"):
                 continue
-            if name not in kinds:
+            if name not in choices:
                 raise ValueError(
-                    f"a convention has no field {name!r}; its fields are {', '.join(kinds)}"
+                    f"a convention has no field {name!r}; its fields are {', '.join(choices)}"
                 )
-            default = kinds[name]
-            if isinstance(default, bool):
-                if value not in ("true", "false"):
-                    raise ValueError(f"{name} of the convention is {value!r}; give true or false")
-                chosen[name] = value == "true"
-            else:
-                whole = isinstance(default, int) and value.lstrip("-").isdecimal()
-                chosen[name] = int(value) if whole else value
-        made = cls(**chosen)
-        for name, choices in CHOICES.items():
-            if getattr(made, name) not in choices:
+            known = {str(choice).lower(): choice for choice in choices[name]}
+            # The shifts S are the only choice with a capital letter.
+            if value.lower() not in known:
                 raise ValueError(
-                    f"{name} of the convention is {getattr(made, name)!r}; give one of "
-                    f"{', '.join(map(str, choices))}"
+                    f"{name} of the convention is {value!r}; give one of {', '.join(known)}"
                 )
-        return made
+            chosen[name] = known[value.lower()]
+        return cls(**chosen)
 
     def __str__(self) -> str:
         third = {
@@ -119,16 +114,6 @@ class Convention:
 
 
 ASE = Convention()
-CHOICES: dict[str, tuple[Any, ...]] = {
-    "pairs": ("full", "half"),
-    "rule": ("<", "<="),
-    "base": (0, 1),
-    "shifts": ("S", "vectors", "none"),
-    "sign": (1, -1),
-    "cell": ("rows", "columns"),
-    "layout": ("flat", "rows", "columns", "matrix"),
-    "systems": ("index", "offsets"),
-}
 
 
 class Malformed(ValueError):
@@ -287,8 +272,3 @@ def on_faces(system: System) -> bool:
     size = np.abs(fractional).max(initial=1.0)
     near = 1e-6 if system.dtype == "float32" else 1e-9
     return bool((np.abs(fractional - np.round(fractional)) <= near * size).any())
-
-
-def with_(convention: Convention, **changes: Any) -> Convention:
-    """Return the convention with other fields."""
-    return replace(convention, **changes)

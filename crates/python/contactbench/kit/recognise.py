@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ import numpy as np
 
 from .asking import raised
 from .compare import compare
-from .convention import ASE, Convention, Malformed, with_
+from .convention import ASE, Convention, Malformed
 from .systems import OPEN, System, system
 
 Call = Callable[[System, Convention], Any]
@@ -21,15 +21,7 @@ Call = Callable[[System, Convention], Any]
 
 @dataclass(frozen=True)
 class Recognised:
-    """A convention, and what it leaves open.
-
-    Attributes
-    ----------
-    convention : Convention
-        The convention found, or the closest.
-    trouble : str
-        How the answers differ from the closest convention; empty if it was recognised.
-    """
+    """The convention found, or the closest and how the answers differ from it."""
 
     convention: Convention
     trouble: str = ""
@@ -79,7 +71,7 @@ def _candidates(periodic: bool) -> Iterator[Convention]:
     ):
         if layout == "matrix" and padding:
             continue
-        yield with_(
+        yield replace(
             ASE, layout=layout, padding=padding, cell=cell, base=base, self_pairs=own,
             pairs=pairs, rule=rule, **third,
         )  # fmt: skip
@@ -91,7 +83,7 @@ def recognise(call: Call, refuses: tuple[type[BaseException], ...]) -> Recognise
         answers: dict[str, Any] = {}
         try:
             for cell in ("rows", "columns"):
-                answers[cell] = call(probe, with_(ASE, cell=cell))
+                answers[cell] = call(probe, replace(ASE, cell=cell))
         except refuses:
             continue
         except Exception as error:
@@ -146,7 +138,7 @@ def _chosen(
     call: Call, probe: System, convention: Convention, field: str, values: tuple[bool, bool]
 ) -> Convention:
     for value in values:
-        candidate = with_(convention, **{field: value})
+        candidate = replace(convention, **{field: value})
         try:
             if compare(call(probe, candidate), probe, candidate)[0] is None:
                 return candidate

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import textwrap
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree import ElementTree as xml
 
-from .convention import ASE, Convention, with_
+from .convention import ASE, Convention
 from .failure import NeighbourFailure
 
 
@@ -101,7 +101,7 @@ class NeighbourCheck:
         how = "recognised" if self.recognised else "declared"
         if not self.trouble:
             lines.append(fill(f"convention, {how}: {self.convention}"))
-        if self.recognised and with_(self.convention, systems="index") != ASE and not self.trouble:
+        if self.recognised and replace(self.convention, systems="index") != ASE and not self.trouble:
             lines.append("If you meant the convention of ASE, give convention='ase'.")
         band = f", rounding band up to {self.band:.3g}" if self.division == "tolerant" else ""
         lines.append(f"division {self.division}{band}; {self.seconds:.1f} s")

@@ -19,40 +19,24 @@ class Refusal(Exception):
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """Atoms, their cell, and a cutoff.
-
-    Attributes
-    ----------
-    positions : ndarray of float64, shape (N, 3)
-    cell : ndarray of float64, shape (3, 3)
-        One vector per row. Rows of open axes may be zero.
-    pbc : tuple of 3 bool
-        The periodic axes.
-    cutoff : float
-        A distance between centres.
-    dtype : str
-        The type in which positions and cell are passed: ``float64`` or ``float32``.
-    memory : str
-        How positions lie in memory: ``C``, ``F`` (Fortran), or ``strided``.
-    calls : int
-        Number of calls that must give the same answer.
-    capacity : int or None
-        A limit for the neighbours of an atom, passed to functions that take one.
-    optional : bool
-        Whether any exception counts as a refusal.
-    note : str
-        How the system was made.
-    """
+    """Atoms, their cell, and a cutoff."""
 
     positions: Doubles
+    #: One vector per row. Rows of open axes may be zero.
     cell: Doubles
     pbc: tuple[bool, bool, bool]
     cutoff: float
+    #: The type in which positions and cell are passed: ``float64`` or ``float32``.
     dtype: str = "float64"
+    #: How positions lie in memory: ``C``, ``F`` (Fortran), or ``strided``.
     memory: str = "C"
+    #: Number of calls that must give the same answer.
     calls: int = 1
+    #: A limit for the neighbours of an atom, passed to functions that take one.
     capacity: int | None = None
+    #: Whether any exception counts as a refusal.
     optional: bool = False
+    #: How the system was made.
     note: str = ""
 
     def __len__(self) -> int:

@@ -12,23 +12,13 @@ Maker = Callable[[Random, float], Iterator[System]]
 
 @dataclass(frozen=True)
 class Case:
-    """A hard case.
-
-    Attributes
-    ----------
-    name : str
-        A few words.
-    reason : str
-        The mistake that it finds, with a thread in which it was reported.
-    systems : callable
-        ``systems(rng, cutoff)`` makes the systems of the case.
-    quick : int
-        Number of systems tried if the check is quick.
-    """
+    """A hard case."""
 
     name: str
+    #: The mistake that it finds, with a thread in which it was reported.
     reason: str
     systems: Maker
+    #: Number of systems tried if the check is quick.
     quick: int
 
 
