@@ -195,9 +195,6 @@ impl Filled {
 }
 
 pub fn pool(threads: usize) -> Result<ThreadPool, Failure> {
-    if !(1..=1024).contains(&threads) {
-        return Err(Failure::invalid(format!("threads is {threads}; give a number up to 1024")));
-    }
     let made = ThreadPoolBuilder::new().num_threads(threads).build();
     made.map_err(|error| Failure::Memory(format!("threads could not be started: {error}")))
 }

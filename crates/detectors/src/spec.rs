@@ -37,13 +37,18 @@ impl DetectorSpec {
     /// Checks that users may choose this detector, with this many threads.
     ///
     /// # Errors
-    /// Fails for controls, and for several threads that the detector cannot use.
+    /// Fails for controls, for no thread or more than 1024, and for several threads that the
+    /// detector cannot use.
     pub fn usable(&self, threads: usize) -> Result<(), SpecError> {
         let Entry { name, threads: several, .. } = *self.entry;
         if self.entry.is_control() {
             return Err(SpecError::Unknown { name: name.into() });
         }
-        if threads > 1 && !several { Err(SpecError::Sequential { name, threads }) } else { Ok(()) }
+        match threads {
+            0 | 1025.. => Err(SpecError::Threads { threads }),
+            2.. if !several => Err(SpecError::Sequential { name, threads }),
+            _ => Ok(()),
+        }
     }
 
     /// Returns the detector with its defaults and with every other word (not number) of each
@@ -119,6 +124,12 @@ pub enum SpecError {
     Unknown {
         /// Name as given.
         name: String,
+    },
+    /// No thread, or too many.
+    #[error("threads is {threads}; give a number from 1 to 1024")]
+    Threads {
+        /// Number of threads.
+        threads: usize,
     },
     /// Several threads for a detector that uses one.
     #[error(

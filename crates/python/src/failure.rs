@@ -196,9 +196,6 @@ pub fn patient<R: Send + 'static>(
 
 /// Makes a pool for one owner: a process that is forked later lacks the threads of a shared pool.
 pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
-    if threads == 0 || threads > 1024 {
-        return Err(Failure::value(format!("threads is {threads}; give a number from 1 to 1024")));
-    }
     let made = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     made.map_err(|error| {
         Failure::memory(format!("{threads} threads could not be started: {error}"))

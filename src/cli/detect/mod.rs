@@ -14,7 +14,6 @@ use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::values;
 use contactbench_detectors::table;
-use contactbench_detectors::table::TABLE;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_io as io;
 use contactbench_io::boxes::along;
@@ -108,24 +107,11 @@ fn repeated(ids: &[i64]) -> anyhow::Result<Option<i64>> {
 /// Writes the contacts, and prints a summary on standard error.
 pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let spec = table::parse(&options.detector)?;
-    ensure!(
-        !spec.entry.is_control(),
-        "the detector '{}' is a control for experiments; choose another",
-        spec.entry.name
-    );
-    let threads = options.threads;
-    ensure!(threads >= 1, "--threads 0: give at least 1");
-    let several = TABLE.iter().filter(|entry| entry.threads && !entry.is_control());
-    ensure!(
-        threads == 1 || spec.entry.threads,
-        "{} uses one thread, not {threads}; leave out --threads, or use {}",
-        spec.entry.name,
-        several.map(|entry| entry.name).collect::<Vec<_>>().join(", ")
-    );
+    spec.usable(options.threads).context("--detector or --threads")?;
     if let Some(path) = &options.out {
         io::write::format(path)?;
     }
-    crate::cli::use_threads(threads);
+    crate::cli::use_threads(options.threads);
     ensure!(
         options.source.scene.as_deref() != Some("-"),
         "'-' is not a file; to read standard input, give /dev/stdin"

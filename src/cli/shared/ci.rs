@@ -212,17 +212,4 @@ mod tests {
         let passed = &cases()[..1];
         assert_eq!(summary("run", passed), "### contactbench run: 1 passed\n\n\n");
     }
-
-    #[test]
-    fn annotations_are_one_line_each() {
-        let text = annotations("compare", &cases());
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 2);
-        assert_eq!(
-            lines[0],
-            "::error title=contactbench compare%3A a.b%3A bad <&\"'> \u{fffd}::50%25 off: a, \
-             b%0Asecond ]]> line\u{fffd}"
-        );
-        assert!(lines[1].starts_with("::warning title=") && lines[1].ends_with("::n"));
-    }
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 
 use crate::cli::shared::terminal;
 use contactbench_detectors::table;
@@ -15,16 +15,6 @@ const NAME: &str = "new-detector";
 const TYPE: &str = "NewDetector";
 
 const FOLDER: &str = "crates/detectors/src";
-
-/// Reserved words of Rust, and names that would be confusing.
-const KEYWORDS: [&str; 60] = [
-    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
-    "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl",
-    "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "raw",
-    "ref", "return", "self", "static", "struct", "super", "trait", "true", "try", "type", "typeof",
-    "union", "unsafe", "unsized", "use", "virtual", "where", "while", "yield", "core", "std",
-    "alloc", "test", "tests", "all", "none",
-];
 
 /// Maximum number of letters in a name, so that tables stay readable.
 const LONGEST: usize = 32;
@@ -88,21 +78,11 @@ fn names(given: &str) -> anyhow::Result<Names> {
     ensure!(name.len() <= LONGEST, "'{given}' has {} letters; use at most {LONGEST}", name.len());
     let module = name.replace('-', "_");
     ensure!(
-        !KEYWORDS.contains(&&*module),
-        "'{given}' is a reserved word of Rust or of this project; choose another name"
-    );
-    ensure!(
         table::find(&name).is_none(),
         "the detector '{name}' exists already; choose another name"
     );
     let kind: String =
         name.split('-').map(|piece| piece[..1].to_uppercase() + &piece[1..]).collect();
-    let used =
-        TEMPLATE.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').any(|word| word == kind);
-    ensure!(
-        !used || kind == TYPE,
-        "'{given}' would make a type {kind}, a name that every detector uses; choose another name"
-    );
     Ok(Names { name, module, kind })
 }
 
@@ -134,20 +114,16 @@ fn changes(root: &Path, names: &Names) -> anyhow::Result<[Change; 3]> {
         "{} has a line {quoted} already; choose another name",
         lines.display()
     );
-    let by_hand = |path: &Path, text: &str| {
-        text.lines().for_each(terminal::say);
-        format!(
-            "{} has an unexpected form, so that nothing was changed; add the lines above to it, \
-             and write the detector by hand",
-            path.display()
-        )
+    let by_hand = |path: &Path, lines: &str| {
+        lines.lines().for_each(terminal::say);
+        let path = path.display();
+        format!("{path} has an unexpected form; add the lines above to it, and the file by hand")
     };
-    let Some(with_module) = with_module(&module_text, &names.module) else {
-        bail!(by_hand(&modules, &format!("pub mod {};", names.module)));
-    };
-    let Some(with_line) = with_line(&table_text, &entry(names)) else {
-        bail!(by_hand(&lines, &entry(names)))
-    };
+    let module_line = format!("pub mod {};", names.module);
+    let with_module = with_module(&module_text, &names.module)
+        .with_context(|| by_hand(&modules, &module_line))?;
+    let with_line =
+        with_line(&table_text, &entry(names)).with_context(|| by_hand(&lines, &entry(names)))?;
     let detector = TEMPLATE.replace(NAME, &names.name).replace(TYPE, &names.kind);
     Ok([
         ("wrote  ", file, detector),
