@@ -123,7 +123,7 @@ fn case(verdict: &claim::Verdict) -> Case {
     let why = || format!("{}: {}", verdict.status.name(), evidence(&verdict.evidence));
     let result = match verdict.status {
         claim::Status::Holds => ci::Outcome::Passed,
-        claim::Status::Fails if verdict.machine_independent => ci::Outcome::Failed(why()),
+        claim::Status::Fails if verdict.is_check => ci::Outcome::Failed(why()),
         claim::Status::Fails => ci::Outcome::Noted(why()),
         claim::Status::NotCovered | claim::Status::NotShown => ci::Outcome::Skipped(why()),
     };

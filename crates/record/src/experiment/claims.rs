@@ -37,8 +37,8 @@ pub enum Set {
     After,
 }
 
-/// The condition of a claim. Claims about times (`faster`, or an expression with `time_ns`) hold
-/// for one machine only and never affect the exit code.
+/// The condition of a claim. Claims about times are `faster` and those with `time_ns` in an
+/// expression; they hold for one machine only.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub enum ClaimKind {
@@ -59,6 +59,9 @@ pub enum ClaimKind {
         to: Expression,
         #[serde(default)]
         than: Option<String>,
+        /// Dimension of the scenes whose `to` is the limit; `None` for the cell's own scene.
+        #[serde(default, rename = "than-dim")]
+        than_dim: Option<u32>,
     },
     Model {
         #[serde(deserialize_with = "timeless")]
@@ -126,6 +129,12 @@ impl Claim {
         };
         let parts = [set, &self.source];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(": ")
+    }
+
+    /// Whether the claim's failure changes the exit code. A published claim that fails is a result,
+    /// and a claim about times may fail on another machine.
+    pub fn is_check(&self) -> bool {
+        self.set != Set::Published && !self.uses_time()
     }
 
     pub fn uses_time(&self) -> bool {

@@ -42,7 +42,8 @@ pub struct Verdict {
     /// The answer to the experiment's question if the claim holds; may be empty.
     pub answers: String,
     pub status: Status,
-    pub machine_independent: bool,
+    /// See [`Claim::is_check`].
+    pub is_check: bool,
     pub evidence: Evidence,
 }
 
@@ -65,9 +66,9 @@ pub struct Without {
     pub of: usize,
 }
 
-/// Whether a claim that does not depend on the machine fails, so that the exit code is not 0.
+/// Whether a claim fails whose failure changes the exit code.
 pub fn any_failed(verdicts: &[Verdict]) -> bool {
-    verdicts.iter().any(|verdict| verdict.machine_independent && verdict.status == Status::Fails)
+    verdicts.iter().any(|verdict| verdict.is_check && verdict.status == Status::Fails)
 }
 
 /// Checks every claim of an experiment against the cells of that experiment.
@@ -90,7 +91,7 @@ pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>
                 Some(_) if !fails => Status::NotCovered,
                 _ => finding.status,
             },
-            machine_independent: !claim.uses_time(),
+            is_check: claim.is_check(),
             evidence,
         }
     };
@@ -146,22 +147,37 @@ fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> Finding {
         ClaimKind::Equal { value, to, within } => {
             compared(&points(&[value, to]), |cell| reading(to, cell), Some(*within))
         }
-        ClaimKind::AtMost { value, to, than: None } => {
+        ClaimKind::AtMost { value, to, than: None, than_dim: None } => {
             compared(&points(&[value, to]), |cell| reading(to, cell), None)
         }
-        ClaimKind::AtMost { value, to, than: Some(than) } => {
-            let by_id: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
-            let other = |cell: &Cell| {
-                let id = cell.id.clone().with_subject(than);
-                by_id.get(&id).and_then(|other| reading(to, other))
-            };
+        ClaimKind::AtMost { value, to, than, than_dim } => {
             let mut points = points(&[value]);
-            points.retain(|point| point.cell.id.subject() != *than);
+            points.retain(|point| than.as_deref() != Some(&point.cell.id.subject()));
+            let other = |cell: &Cell| reading(to, beside(cell, than.as_deref(), *than_dim, own)?);
             compared(&points, other, None)
         }
         ClaimKind::Model { value, model } => grows(&points(&[value]), *model),
         ClaimKind::Faster { than, by } => faster(than, *by, cells, own),
     }
+}
+
+/// Returns the cell of another subject on the same scene, or of the same scene in another dimension,
+/// where parameters may have other defaults.
+fn beside<'a>(
+    cell: &Cell,
+    subject: Option<&str>,
+    dim: Option<u32>,
+    own: &'a [Cell],
+) -> Option<&'a Cell> {
+    let mut id = cell.id.clone();
+    if let Some(subject) = subject {
+        id = id.with_subject(subject);
+    }
+    let Some(dim) = dim else { return own.iter().find(|other| other.id == id) };
+    own.iter().find(|other| {
+        let params = other.id.params.clone();
+        other.id == CellId { dim, params, ..id.clone() }
+    })
 }
 
 /// Smallest and largest median time per particle, if all cells have one, and have the same

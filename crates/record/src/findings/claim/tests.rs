@@ -67,7 +67,7 @@ fn each_kind_holds_and_fails() {
         }
         let verdict = one(&lab(), &claim);
         assert_eq!(verdict.status.name(), status, "{line}: {:?}", verdict.evidence);
-        assert_eq!(verdict.machine_independent, kind != "faster");
+        assert_eq!(verdict.is_check, kind != "faster");
     }
 }
 
@@ -82,6 +82,28 @@ fn wrong_cells_fail_and_missing_ones_are_counted() {
     assert_eq!((verdict.status, verdict.evidence.without), (Holds, Some(without)));
     lab.fail(Pass::Memory, Outcome::Wrong, "digest");
     assert!(any_failed(&[one(&lab, claim)]));
+}
+
+#[test]
+fn a_limit_may_come_from_another_dimension() {
+    let mut lab = Lab::new("e", "packed");
+    for (dim, per_particle) in [(2, 100), (3, 131)] {
+        lab.scene("packed", dim).param("lattice", if dim == 2 { "square" } else { "cubic" });
+        for n in [10, 1000] {
+            lab.detector("nbs").n(n).count(&[("list_step", n * per_particle)]);
+        }
+    }
+    for (factor, status) in [("1.31", Holds), ("1.3", Fails)] {
+        let claim = format!(
+            "set = 'published'\nkind = 'at-most'\nvalue = 'list_step'\nto = '{factor} * \
+             list_step'\nthan-dim = 2\nwhere = {{ dim = 3 }}"
+        );
+        let verdict = one(&lab, &claim);
+        assert_eq!(verdict.status, status, "{:?}", verdict.evidence);
+        assert!(!any_failed(&[verdict]));
+        let own = one(&lab, &claim.replace("published", "before"));
+        assert_eq!(any_failed(&[own]), status == Fails);
+    }
 }
 
 #[test]
