@@ -1,14 +1,11 @@
-//! Particles from the rows of a table: lines with cells, and records of binary files.
+//! Particles from the rows of a table.
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{Context, anyhow};
 
 use crate::columns::{Column, Columns, is_doubtful, units};
 use crate::options::Options;
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
-use crate::raw::lines::{
-    Lines, Separator, Source, decoded, exact, listed, number, short, shown, whole,
-};
-use crate::raw::scalars::Scalar;
+use crate::raw::lines::{Lines, Separator, decoded, listed, number, short, shown, whole};
 use contactbench_terms::number::plural;
 
 pub struct Rows {
@@ -138,54 +135,5 @@ impl Rows {
     pub fn push(&mut self, line: &[u8], lines: &Lines<'_>) -> anyhow::Result<()> {
         let Rows { columns, particles } = self;
         columns.push(particles, Separator::Blanks.cells(line), || lines.place())
-    }
-
-    /// Adds the particles of the next `count` records of a binary file. `fields` are the type
-    /// (`None` if not a number) and size in bytes of each column.
-    pub fn push_records(
-        &mut self,
-        source: &mut Source<'_>,
-        count: u64,
-        fields: &[(Option<(Scalar, bool)>, usize)],
-    ) -> anyhow::Result<()> {
-        let mut ends = vec![0];
-        ends.extend(fields.iter().scan(0, |end, (_, width)| {
-            *end += width;
-            Some(*end)
-        }));
-        let mut record = vec![0; ends[fields.len()]];
-        for k in 0..count {
-            let (whole, name) = (source.fill(&mut record)?, source.name);
-            ensure!(whole, "{name} ends before the {count} records that its header announces");
-            self.push_record(k, |at| {
-                Some(fields[at].0?.0.get(&record[ends[at]..], fields[at].0?.1))
-            })
-            .with_context(|| format!("{}: record {k} (from 0)", source.name))?;
-        }
-        Ok(())
-    }
-
-    /// Adds the particle of record `k`; `value` returns the number in a column, if there is one.
-    fn push_record(&mut self, k: u64, value: impl Fn(usize) -> Option<f64>) -> anyhow::Result<()> {
-        let Rows { columns, particles } = self;
-        let (mut point, mut radius, mut id) = ([0.0; 3], 0.0, k as i64);
-        for (at, (&column, label)) in columns.meaning.iter().zip(&columns.names).enumerate() {
-            if column == Column::Other || column == Column::Id && particles.ids.is_none() {
-                continue;
-            }
-            let label = || short(label);
-            let value = value(at).with_context(|| format!("'{}' is not a number", label()))?;
-            let checked = column.value(value);
-            let checked = checked.map_err(|why| anyhow!("'{}': {value} {why}", label()))?;
-            match column {
-                Column::Axis(axis) => point[axis] = checked,
-                Column::Id => {
-                    let whole = exact(value);
-                    id = whole.with_context(|| format!("'{}': {value} is not whole", label()))?;
-                }
-                _ => radius = checked,
-            }
-        }
-        particles.push(point, radius, id)
     }
 }

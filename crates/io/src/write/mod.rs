@@ -148,11 +148,6 @@ pub fn scene(path: &Path, given: &Given) -> anyhow::Result<()> {
 pub fn scene_to(out: &mut dyn Write, format: SceneFormat, given: &Given) -> io::Result<()> {
     let (n, dim) = (given.scene.len(), given.scene.dim());
     let (before, separator) = match format {
-        // Three columns without names would be read as x, y and z, so these have names.
-        SceneFormat::Npy if dim == 2 => {
-            npy::write_fields(out, &["x", "y", "r"], n)?;
-            return with_scene!(&given.scene, scene => npy_rows(out, scene, 3));
-        }
         SceneFormat::Npy => {
             return with_scene!(&given.scene, scene => scene_npy(out, scene, true));
         }
@@ -200,14 +195,6 @@ pub(crate) fn scene_npy<T: Real, const D: usize>(
 ) -> io::Result<()> {
     let columns = D + usize::from(has_radii);
     npy::write_header(out, "<f8", scene.len(), columns)?;
-    npy_rows(out, scene, columns)
-}
-
-fn npy_rows<T: Real, const D: usize>(
-    out: &mut dyn Write,
-    scene: &Scene<'_, T, D>,
-    columns: usize,
-) -> io::Result<()> {
     (0..scene.len()).try_for_each(|k| {
         row(scene, k).take(columns).try_for_each(|x| out.write_all(&x.to_le_bytes()))
     })

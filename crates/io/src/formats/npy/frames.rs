@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use super::{Header, any_header, particles, records};
+use super::{Header, any_header, particles};
 use crate::formats::Indexed;
 use crate::frames::Framed;
 use crate::options::{Opened, Options};
@@ -17,9 +17,7 @@ impl Framed for Indexed<'_, Header> {
     fn begin(&mut self) -> anyhow::Result<Option<String>> {
         let read = |source: &mut Source<'_>| {
             let header = any_header(source)?;
-            if header.fields.is_empty() {
-                header.of_rows(true).with_context(|| source.name.to_string())?;
-            }
+            header.of_rows(true).with_context(|| source.name.to_string())?;
             Ok(header)
         };
         self.next_of(read, |header| header.frames.unwrap_or(1))
@@ -29,7 +27,6 @@ impl Framed for Indexed<'_, Header> {
         let Indexed { source, options, index: Some(header), next } = self else { return Ok(None) };
         let read = match keep {
             true => frame(source, header, *options).map(Some),
-            false if !header.fields.is_empty() => return Ok(None),
             false => header.values(source, header.frame_size(), |_, _| Ok(())).map(|()| None),
         };
         let read = match header.frames {
@@ -44,9 +41,6 @@ impl Framed for Indexed<'_, Header> {
 }
 
 fn frame(source: &mut Source<'_>, header: &mut Header, options: Options) -> anyhow::Result<Loaded> {
-    if !header.fields.is_empty() {
-        return Ok(records(source, header, options)?.read("NumPy npy"));
-    }
     let (name, unnamed) = (source.name, options.columns.is_none());
     ensure!(unnamed, "{name}: an array has x, y, z, radius in this order; leave out --columns");
     let (particles, radius) = particles(source, header, options)?;

@@ -4,7 +4,6 @@ use std::io::{self, Write};
 
 use anyhow::{Context, bail, ensure};
 
-use super::fields::{self, Field};
 use crate::raw::lines::{Source, short};
 use crate::raw::room::room_for;
 use crate::raw::scalars::Scalar;
@@ -42,7 +41,6 @@ pub(crate) struct Header {
     /// Number of columns; `None` for an array of one dimension.
     pub columns: Option<usize>,
     pub sizes: Vec<u64>,
-    pub fields: Vec<Field>,
     /// The numbers in C order, if they were read as a whole, and how many of them are used.
     kept: Option<(Vec<f64>, usize)>,
 }
@@ -59,8 +57,6 @@ impl Header {
 
     pub(super) fn of_rows(&self, frames: bool) -> anyhow::Result<()> {
         let shape = shape(&self.sizes);
-        let plain = self.fields.is_empty();
-        ensure!(plain, "the array has fields; save numpy.column_stack([a['i'], a['j']])");
         match self.sizes[..] {
             [_] | [_, _] => Ok(()),
             // Empty frames need no bytes, so a false header could announce any number of them.
@@ -229,16 +225,8 @@ pub(crate) fn write_header(
     rows: usize,
     columns: usize,
 ) -> io::Result<()> {
-    write_dictionary(out, &format!("'{kind}'"), &format!("{rows}, {columns}"))
-}
-
-pub(crate) fn write_fields(out: &mut dyn Write, names: &[&str], rows: usize) -> io::Result<()> {
-    let fields: Vec<String> = names.iter().map(|name| format!("('{name}', '<f8')")).collect();
-    write_dictionary(out, &format!("[{}]", fields.join(", ")), &format!("{rows},"))
-}
-
-fn write_dictionary(out: &mut dyn Write, kind: &str, shape: &str) -> io::Result<()> {
-    let header = format!("{{'descr': {kind}, 'fortran_order': False, 'shape': ({shape}), }}");
+    let shape = format!("({rows}, {columns})");
+    let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
     // The data start at a multiple of 64 bytes, after magic, version, length and a header padded
     // with blanks.
     let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
@@ -251,28 +239,19 @@ fn write_dictionary(out: &mut dyn Write, kind: &str, shape: &str) -> io::Result<
 /// Parses the Python dictionary of the header, such as `{'descr': '<f8', 'fortran_order': False,
 /// 'shape': (10, 3), }`.
 fn parse(text: &str) -> anyhow::Result<Header> {
-    // Field names may equal the keys `shape` or `fortran_order`, so these are searched from the
-    // end.
     let value = |key: &str| -> anyhow::Result<&str> {
-        let find = |quoted: &String| match key {
-            "descr" => text.find(quoted.as_str()).map(|at| at + quoted.len()),
-            _ => text.rfind(quoted.as_str()).map(|at| at + quoted.len()),
-        };
+        let find = |quoted: &String| text.find(quoted.as_str()).map(|at| at + quoted.len());
         let at = [format!("'{key}'"), format!("\"{key}\"")].iter().find_map(find);
         let rest = text[at.with_context(|| format!("it has no '{key}'"))?..].trim_start();
         Ok(rest.strip_prefix(':').with_context(|| format!("'{key}' has no value"))?.trim_start())
     };
-    let whole = value("descr")?;
-    let (descr, fields) = match whole.starts_with('[') {
-        true => (short(whole), fields::parse(whole)?),
-        false => (short(whole.split(',').next().unwrap_or_default()), Vec::new()),
-    };
-    let inner = descr.trim_matches(['\'', '"']);
-    let (kind, big) = match kind_of(inner) {
-        _ if !fields.is_empty() => (Scalar::U8, false),
-        Some(kind) => kind,
-        None => bail!("the type {descr} is not read; convert with .astype('f8')"),
-    };
+    let descr = value("descr")?;
+    let fields = descr.starts_with('[');
+    ensure!(!fields, "the array has fields; save numpy.column_stack([a['x'], a['y'], a['z']])");
+    let descr = short(descr.split(',').next().unwrap_or_default());
+    let kind = kind_of(descr.trim_matches(['\'', '"']));
+    let (kind, big) =
+        kind.with_context(|| format!("the type {descr} is not read; convert with .astype('f8')"))?;
     let order = value("fortran_order")?;
     let fortran = order.starts_with("True");
     ensure!(fortran || order.starts_with("False"), "fortran_order is neither True nor False");
@@ -298,11 +277,11 @@ fn parse(text: &str) -> anyhow::Result<Header> {
         [frames, rows, columns, ..] => (Some(frames), rows, Some(narrow(columns))),
     };
     let kept = None;
-    Ok(Header { kind, descr, big, fortran, frames, rows, columns, sizes, fields, kept })
+    Ok(Header { kind, descr, big, fortran, frames, rows, columns, sizes, kept })
 }
 
 /// Returns the number type of a `descr` such as `<f8`, and whether it is big-endian.
-pub(super) fn kind_of(descr: &str) -> Option<(Scalar, bool)> {
+fn kind_of(descr: &str) -> Option<(Scalar, bool)> {
     let kind = Scalar::coded(descr.get(1..)?)?;
     match descr.as_bytes()[0] {
         // Single bytes have no byte order.

@@ -9,7 +9,6 @@
 //!
 //! Format: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-mod fields;
 mod frames;
 mod header;
 
@@ -21,10 +20,9 @@ use crate::particles::Particles;
 use crate::raw::lines::Source;
 use crate::raw::room::{numbered, room};
 use crate::types::RadiusSource;
-pub use fields::records;
 pub use frames::frames;
 pub use header::MAGIC;
-pub(crate) use header::{Header, any_header, header, shape, write_fields, write_header};
+pub(crate) use header::{Header, any_header, header, shape, write_header};
 
 pub fn particles(
     source: &mut Source<'_>,

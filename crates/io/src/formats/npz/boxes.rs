@@ -1,6 +1,6 @@
 //! The box of an npz archive: `box`, `cell`, `lattice` or `L`, with `pbc` or `periodic`.
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 
 use crate::boxes;
 use crate::columns::Column;
@@ -43,7 +43,6 @@ impl Cell {
         let is_flags = among(FLAGS, &label.to_ascii_lowercase());
         let place = source.name;
         let what = format!("{place}: '{}' is {}", short(label), header.words());
-        ensure!(header.fields.is_empty(), "{what}, and no box; give --box LX,LY,LZ or --open");
         let values = npy::list(source, header, label, Column::Axis(0))?;
         let shape = header.sizes.clone();
         if is_flags {

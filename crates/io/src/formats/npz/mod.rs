@@ -7,8 +7,7 @@
 //! * one-dimensional arrays `x`, `y`, `z`, and `r`, `radius`, `radii`, `d`, `diameter` or
 //!   `diameters`;
 //! * one array of shape (N, 2) to (N, 4), or (frames, N, 2) to (frames, N, 4), as in
-//!   [`crate::formats::npy`];
-//! * one structured array.
+//!   [`crate::formats::npy`].
 //!
 //! Other arrays are skipped.
 

@@ -91,11 +91,6 @@ impl Scenes {
         };
         match (&header.sizes[..], column) {
             _ if is_box => self.around.take(source, &mut header, label, options)?,
-            _ if !header.fields.is_empty() => {
-                let read = npy::records(source, &header, options)?;
-                self.has_points(label, source.name)?;
-                self.whole = Some((read.particles, read.columns.radius()));
-            }
             (&[_], _) if options.ids && Ids::is_named(label, column) => {
                 let mut ids = Ids::new(label, column);
                 header.values(source, header.count(), |_, value| ids.push(value))?;
