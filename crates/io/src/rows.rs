@@ -2,10 +2,10 @@
 
 use anyhow::{Context, anyhow};
 
-use crate::columns::{Column, Columns, is_doubtful, units};
+use crate::columns::{Column, Columns};
 use crate::options::Options;
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
-use crate::raw::lines::{Lines, Separator, decoded, listed, number, short, shown, whole};
+use crate::raw::lines::{Lines, Separator, listed, number, short, shown, whole};
 use contactbench_terms::number::plural;
 
 pub struct Rows {
@@ -23,15 +23,13 @@ impl Columns {
     /// Resolves the meaning of all columns, and returns an empty set of particles. A radius from
     /// the options replaces columns of sizes.
     pub fn particles(&mut self, place: &str, options: Options) -> anyhow::Result<Particles> {
-        if !self.sizes_chosen {
-            let names = self.names.clone();
-            self.leave_out_sizes(|name| is_doubtful(name, &names));
-        }
         let mut notices = Vec::new();
         if let Some(given) = options.radius {
-            let sizes = self.meaning.iter().zip(&self.names).filter(|(it, _)| it.is_size());
-            notices.extend(sizes.map(|(_, name)| unused_sizes(name, given)));
-            self.leave_out_sizes(|_| true);
+            let sizes = self.meaning.iter_mut().zip(&self.names).filter(|(it, _)| it.is_size());
+            notices.extend(sizes.map(|(meaning, name)| {
+                *meaning = Column::Other;
+                unused_sizes(name, given)
+            }));
         }
         self.check(place)?;
         let has_radii = self.meaning.iter().any(|column| column.is_size());
@@ -78,7 +76,7 @@ impl Columns {
                 },
             }
         }
-        if bad.is_some() || !self.or_more && cells.next().is_some() {
+        if bad.is_some() || !self.or_more && cells.any(|cell| !cell.is_empty()) {
             return Err(self.fault(all, bad).context(place()));
         }
         if let Some(groups) = &mut particles.groups {
@@ -107,19 +105,8 @@ impl Columns {
 fn value(column: Column, cell: &[u8]) -> Result<f64, &'static str> {
     match number(cell) {
         Some(value) => column.value(value),
-        None if is_decimal_comma(cell) => Err("has a comma: write a decimal point, or nothing"),
-        None if units::is_unit(decoded(cell).trim_matches(['[', ']', '(', ')'])) => {
-            Err("is a unit: write it behind the name, as in 'x [mm]'")
-        }
         None => Err("is not a number"),
     }
-}
-
-/// Whether the cell is a number once each comma is a point, or is taken out.
-pub fn is_decimal_comma(cell: &[u8]) -> bool {
-    let text = decoded(cell);
-    let is_number = |text: String| number(text.as_bytes()).is_some();
-    text.contains(',') && (is_number(text.replace(',', ".")) || is_number(text.replace(',', "")))
 }
 
 impl Rows {

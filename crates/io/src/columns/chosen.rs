@@ -137,10 +137,6 @@ impl Chosen {
         matches!(self.frame, Framing::By(_))
     }
 
-    pub(crate) fn in_one_frame(&self) -> bool {
-        self.frame == Framing::None
-    }
-
     /// Returns the columns as indices from 0, if coordinates are chosen and all columns are given
     /// by number.
     pub fn numbers(&self) -> Option<Vec<usize>> {
@@ -200,7 +196,6 @@ impl Chosen {
 
     pub fn apply(&self, mut columns: Columns, place: &str) -> anyhow::Result<Columns> {
         columns.meaning.iter_mut().for_each(|meaning| *meaning = self.beside(*meaning));
-        columns.sizes_chosen |= self.sizes();
         let mut taken = Vec::new();
         for (key, meaning, which) in self.given() {
             let k = which.find(key, &mut columns, place)?;

@@ -58,27 +58,12 @@ impl Column {
     }
 }
 
-/// Names beside which r or d is not a size: colours, bands of light, and positions in the sky.
-const BESIDE: [(&[&str], &[&str]); 3] =
-    [(&["r"], &["g"]), (&["r"], &["b", "v"]), (&["r", "d"], &["ra", "dec"])];
-
-/// Whether a column that is named like a size probably holds something else.
-pub fn is_doubtful<S: AsRef<str>>(size: &str, names: &[S]) -> bool {
-    let plain = |name: &str| units::split(name).0.to_ascii_lowercase();
-    let (size, names) = (plain(size), names.iter().map(|name| plain(name.as_ref())));
-    let names: Vec<String> = names.collect();
-    let are_there = |beside: &[&str]| beside.iter().all(|name| names.iter().any(|it| it == name));
-    BESIDE.iter().any(|(sizes, beside)| sizes.contains(&&*size) && are_there(beside))
-}
-
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
     pub meaning: Vec<Column>,
     pub names: Vec<String>,
     /// Whether lines may have more columns than the named ones.
     pub or_more: bool,
-    /// Whether the user chose the column of sizes; then its name is trusted.
-    pub sizes_chosen: bool,
 }
 
 impl Columns {
@@ -134,15 +119,6 @@ impl Columns {
         match chosen {
             Some(chosen) => chosen.apply(self, place),
             None => Ok(self),
-        }
-    }
-
-    /// Turns sizes into other columns, if `leave_out` holds for their names.
-    pub fn leave_out_sizes(&mut self, leave_out: impl Fn(&str) -> bool) {
-        for (meaning, name) in self.meaning.iter_mut().zip(&self.names) {
-            if meaning.is_size() && leave_out(name) {
-                *meaning = Column::Other;
-            }
         }
     }
 

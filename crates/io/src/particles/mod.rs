@@ -137,27 +137,6 @@ impl Particles {
         Ok(())
     }
 
-    /// Returns which of the columns without names, the first or the last, holds 0, 1, 2, ... or 1,
-    /// 2, 3, ... and so seems to number the particles, as in the published data of Finney's
-    /// packing.
-    pub(crate) fn numbered_column(&self) -> Option<&'static str> {
-        let n = self.len();
-        let counts = |value: &dyn Fn(usize) -> f64| {
-            n > 2
-                && [0.0, 1.0].contains(&value(0))
-                && (1..n).all(|k| value(k) == value(k - 1) + 1.0)
-        };
-        // Beads on a row may have x = 0, 1, 2, but share all else; x and y may be a graph.
-        let radius = |k: usize| self.radii.as_ref().map(|radii| radii[k]);
-        let beside = |k: usize| (self.centre(k)[1], self.centre(k)[2], radius(k));
-        let is_row = (1..n).all(|k| beside(k) == beside(0));
-        let is_graph = self.dim() == 2 && self.radii.is_none();
-        if self.radii.as_ref().is_some_and(|radii| counts(&|k| radii[k])) {
-            return Some("last");
-        }
-        (!is_row && !is_graph && counts(&|k| self.centre(k)[0])).then_some("first")
-    }
-
     /// Takes the given radius instead of the file's, whose source becomes [`RadiusSource::Given`].
     pub(crate) fn take_radius(&mut self, given: f64, source: &mut RadiusSource) {
         if self.radii.take().is_some() {

@@ -197,13 +197,6 @@ impl Separator {
             .map_or(Separator::Blanks, Separator::One)
     }
 
-    pub fn shorn(self, line: &[u8]) -> &[u8] {
-        match (self, line) {
-            (Separator::One(c), [shorn @ .., last]) if *last == c => shorn.trim_ascii_end(),
-            _ => line,
-        }
-    }
-
     pub fn cells(self, line: &[u8]) -> Cells<'_> {
         Cells { rest: Some(line), separator: self }
     }

@@ -2,29 +2,25 @@
 
 use anyhow::{Context, bail, ensure};
 
-use super::split::{self, Blocks, Split};
+use super::split::{self, Split};
 use crate::columns::Columns;
 use crate::columns::chosen::Chosen;
 use crate::options::Options;
-use crate::raw::lines::{Lines, Separator, decoded, is_comment, number, short, uncommented, words};
-use crate::rows::is_decimal_comma;
-use crate::types::{Declared, Notice, assumed};
+use crate::raw::lines::{Lines, Separator, decoded, is_comment, number, uncommented, words};
+use crate::types::Declared;
 
 #[derive(Default)]
 pub(super) struct Header {
     pub columns: Columns,
     pub place: String,
     pub separator: Separator,
-    pub trailing: bool,
     /// Whether unnamed columns were given their usual meaning.
     pub assumed: bool,
     /// Whether the current line is a row of the table, or stands between rows.
     pub is_row: bool,
     pub format: &'static str,
     pub split: Option<Split>,
-    pub blocks: Blocks,
     pub declared: Option<Declared>,
-    pub notices: Vec<Notice>,
 }
 
 #[derive(Default)]
@@ -32,7 +28,6 @@ struct Comments {
     columns: Option<Columns>,
     format: bool,
     edges: Option<[f64; 3]>,
-    notices: Vec<Notice>,
 }
 
 pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Header> {
@@ -65,7 +60,6 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<He
         Declared::between(&edges.map(|edge| [0.0, edge]), periodic)
     });
     table.is_row = more && (table.is_row || lines.advance()?);
-    table.notices = comments.notices;
     Ok(table)
 }
 
@@ -88,9 +82,6 @@ impl Comments {
         let chosen = columns.chosen("", options.columns).ok().filter(Columns::has_places);
         if chosen.is_some() && (is_format || !self.format) {
             self.columns = chosen;
-        } else if self.notices.is_empty() && may_be_box(text) {
-            let text = short(text);
-            self.notices.push(assumed!("the comment '{text}' may be a box and is not read: --box"));
         }
         self.format |= is_format;
         Ok(())
@@ -109,16 +100,6 @@ fn edges_of(text: &str, options: Options) -> anyhow::Result<Option<[f64; 3]>> {
     }
 }
 
-fn may_be_box(text: &str) -> bool {
-    let lower = text.to_ascii_lowercase();
-    let is_between = |c: char| !c.is_ascii_alphanumeric() && c != '.' && c != '-' && c != '+';
-    let word = |word: &str| {
-        ["box", "cell", "lattice", "periodic", "bounds", "domain", "pbc"].contains(&word)
-    };
-    let parts = || lower.split(is_between);
-    parts().any(word) && parts().filter(|part| number(part.as_bytes()).is_some()).count() >= 2
-}
-
 fn named(header: &[u8]) -> Columns {
     let cells = Separator::guess(header).cells(header);
     Columns::named(cells.map(decoded))
@@ -129,11 +110,16 @@ fn named_by(
     comments: &mut Comments,
     options: Options,
 ) -> anyhow::Result<Header> {
-    let (place, whole) = (lines.place(), uncommented(lines.line()));
-    let separator = Separator::guess(whole);
-    let line = separator.shorn(whole);
-    let trailing = line.len() != whole.len();
-    let table = Header { separator, trailing, ..Header::default() };
+    let (place, text) = (lines.place(), lines.line());
+    let line = uncommented(text);
+    // The sign in a name such as `Spot #` has separators after it, unlike a comment.
+    let few = words(line).count() < 2 || Separator::guess(line) != Separator::Blanks;
+    let line = match Separator::guess(text) {
+        Separator::One(c) if few && text[line.len()..].contains(&c) => text,
+        _ => line,
+    };
+    let separator = Separator::guess(line);
+    let table = Header { separator, ..Header::default() };
     let count = separator.cells(line).count();
     let is_number = |cell: &[u8]| number(cell).is_some();
     let numeric = separator.cells(line).all(is_number);
@@ -152,23 +138,7 @@ fn named_by(
         let assumed = !options.axes_chosen() && comments.edges.is_none();
         return Ok(Header { columns, assumed, is_row: true, ..table });
     }
-    let commas = separator != Separator::Blanks && words(line).all(is_decimal_comma);
-    ensure!(!commas, "{place}: the numbers have decimal commas: write points");
-    let header = named(whole);
-    let text = lines.line();
-    let of_text = match separator {
-        Separator::One(_) => separator,
-        Separator::Blanks => Separator::guess(text),
-    };
-    let cut = text.get(whole.len()..).unwrap_or_default();
-    // The sign in a name such as `Spot #` has separators after it, unlike a comment.
-    let in_cut = matches!(of_text, Separator::One(c) if cut.contains(&c));
-    let sound =
-        |header: Columns| header.chosen("", options.columns).is_ok_and(|it| it.has_places());
-    if in_cut && (of_text == separator || !sound(header.clone())) {
-        let columns = named(text).chosen(&place, options.columns)?;
-        return Ok(Header { columns, separator: of_text, ..table });
-    }
+    let header = named(line);
     let numbers = separator.cells(line).filter(|cell| is_number(cell)).count();
     let sound_names = header.has_places() || numbers < 2;
     ensure!(sound_names, "{place}: numbers stand where the columns are named; {ASSIGN}");

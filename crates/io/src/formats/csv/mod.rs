@@ -7,25 +7,25 @@
 //! * A column of frames, steps or times splits the rows into frames; see [`split`].
 //! * Blank lines and lines that start with `#`, `%`, `!` or `//` are skipped. If the rows have no
 //!   header, such a line is the header if it names as many columns as the rows have.
-//! * `#` or `%` after a blank starts a comment, and a line may end with a separator, unless the
-//!   line has the right number of columns only with them.
+//! * `#` or `%` after a blank starts a comment, unless the line has the right number of columns only
+//!   with it.
 //! * `#format x_y_z_r` of YADE names the columns; `#format x_y_z_r_attrs` allows further ones.
 //!   `##PERIODIC:: 10 10 10` of YADE and Woo is the box; then unnamed columns are x y z r clumpId.
 //! * Without a header, two numeric columns are x,y and four are x,y,z,r. Three are x,y,z if the
 //!   options give a radius or three dimensions, and x,y,r if they give two dimensions. Other
-//!   numbers of columns are refused, and so is a column that numbers the particles.
+//!   numbers of columns are refused.
 
 mod header;
 mod split;
 
-use anyhow::{bail, ensure};
+use anyhow::ensure;
 
 use crate::columns::Columns;
 use crate::formats::csv::header::Header;
 use crate::frames::{Choice, Reader, Step};
 use crate::options::{Opened, Options};
 use crate::particles::{Loaded, Particles, loaded};
-use crate::raw::lines::{Lines, Separator, Source, is_comment, number, uncommented};
+use crate::raw::lines::{Lines, Separator, Source, is_comment, uncommented};
 use crate::types::{RadiusSource, assumed};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
@@ -50,18 +50,16 @@ impl Reader<Loaded> for Csv<'_> {
         choice.through = table.split.is_some();
         while choice.seen == 0 || table.is_row {
             let step = choice.begin(|| lines.place())?;
-            let index = choice.seen - 1;
             let mut columns = table.columns.clone();
             let mut kept = columns.particles(&table.place, *options)?;
             let is_kept = step == Step::Keep;
-            let in_one = options.columns.is_some_and(|chosen| chosen.in_one_frame());
-            let read = table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept), in_one);
+            let read = table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept));
             // The last line may still be written, so an error there does not mean that frames are
             // out of order.
             choice.through &= read.is_ok() || lines.ended();
             read?;
-            let frame = || table.frame(kept, columns.radius(), index, lines.source.name);
-            let mut read = is_kept.then(frame).transpose()?;
+            let frame = || table.frame(kept, columns.radius());
+            let mut read = is_kept.then(frame);
             match table.is_row {
                 true => choice.whole = choice.seen,
                 false => choice.done(lines.ended(), read.as_mut().map(|(kept, _)| kept)),
@@ -80,17 +78,11 @@ impl Header {
         lines: &mut Lines<'_>,
         columns: &Columns,
         mut kept: Option<&mut Particles>,
-        in_one: bool,
     ) -> anyhow::Result<()> {
         let mut first = true;
         while self.is_row {
             let line = lines.line();
-            if line.is_empty() || is_comment(line) && !self.is_row_left_out(line) {
-                self.blocks.end(lines);
-            } else if !is_comment(line) {
-                if self.split.is_none() && !in_one {
-                    self.blocks.row()?;
-                }
+            if !line.is_empty() && !is_comment(line) {
                 if let Some(split) = &mut self.split {
                     let mut cells = self.separator.cells(line);
                     let lacks = |wanted: usize| cells.clone().count() < wanted;
@@ -109,7 +101,7 @@ impl Header {
                     first = false;
                 }
                 if let Some(kept) = kept.as_deref_mut() {
-                    row(columns, kept, self.separator, &mut self.trailing, lines)?;
+                    row(columns, kept, self.separator, lines)?;
                 }
             }
             self.is_row = lines.advance()?;
@@ -117,62 +109,33 @@ impl Header {
         Ok(())
     }
 
-    fn is_row_left_out(&self, line: &[u8]) -> bool {
-        let line = line.strip_prefix(b"#").unwrap_or(line).trim_ascii();
-        let numbers = || self.separator.cells(line);
-        numbers().count() == self.columns.names.len() && numbers().all(|it| number(it).is_some())
-    }
-
-    fn frame(
-        &self,
-        particles: Particles,
-        radius: RadiusSource,
-        index: u64,
-        name: &str,
-    ) -> anyhow::Result<Loaded> {
-        let names = &self.columns.names;
-        let mut notices = self.notices.clone();
+    fn frame(&self, mut particles: Particles, radius: RadiusSource) -> Loaded {
         if self.assumed {
-            if let Some(which) = particles.numbered_column() {
-                bail!("{name}: the {which} column counts the particles; give --columns x=K,y=K");
-            }
-            let names = names.join(", ");
-            notices.push(assumed!(
-                "the columns have no names and are read as {names}; or give --columns"
+            particles.notices.push(assumed!(
+                "the columns have no names and are read as {}; or give --columns",
+                self.columns.names.join(", ")
             ));
         }
-        let (mut particles, mut about) = loaded(self.format, particles, radius);
+        let (particles, mut about) = loaded(self.format, particles, radius);
         if let Some(split) = &self.split {
             (about.step, about.time) = (split.step(), split.time());
-            notices.extend(split.notices(index));
         }
-        notices.extend(self.blocks.notice());
         about.declared = self.declared.clone();
-        particles.notices.extend(notices);
-        Ok((particles, about))
+        (particles, about)
     }
 }
 
-/// Adds the particle of a row. At its end, a separator and a comment may be cells or not.
+/// Adds the particle of a row, whose end may be a comment.
 fn row(
     columns: &Columns,
     particles: &mut Particles,
     separator: Separator,
-    trailing: &mut bool,
     lines: &Lines<'_>,
 ) -> anyhow::Result<()> {
-    let whole = lines.line();
-    let bare = uncommented(whole);
-    let shorn = separator.shorn(bare);
+    let (whole, bare) = (lines.line(), uncommented(lines.line()));
     let mut push = |line: &[u8]| columns.push(particles, separator.cells(line), || lines.place());
-    let [usual, other] = if *trailing { [shorn, bare] } else { [bare, shorn] };
-    let Err(error) = push(usual) else { return Ok(()) };
-    if other.len() != usual.len() && push(other).is_ok() {
-        *trailing = !*trailing;
-        return Ok(());
+    match push(bare) {
+        Err(_) if bare.len() != whole.len() && push(whole).is_ok() => Ok(()),
+        done => done,
     }
-    if bare.len() != whole.len() && push(whole).is_ok() {
-        return Ok(());
-    }
-    Err(error)
 }

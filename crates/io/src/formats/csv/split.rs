@@ -10,14 +10,13 @@ use anyhow::{bail, ensure};
 
 use crate::columns::{Column, Columns, units};
 use crate::options::Options;
-use crate::raw::lines::{Lines, among, number, short, shown, step_of};
-use crate::types::{Notice, assumed};
+use crate::raw::lines::{among, number, short, shown, step_of};
 
 /// Names of splitting columns, in lower case and without signs.
 const NAMES: [(BlockKind, &str); 3] = [
-    (BlockKind::Frame, "frame frames frameno framenumber frameid frameindex iframe snapshot snap"),
-    (BlockKind::Step, "timestep step steps stepno timestepindex iteration iter tstep"),
-    (BlockKind::Time, "time t times"),
+    (BlockKind::Frame, "frame snapshot"),
+    (BlockKind::Step, "step timestep iteration"),
+    (BlockKind::Time, "time t"),
 ];
 /// Names of columns that are read as ids if no column is named id.
 const IDS: &str = "particle particleid pid trackid atomid bodyid";
@@ -37,59 +36,6 @@ fn plain(name: &str) -> String {
 fn kind(name: &str) -> Option<BlockKind> {
     let name = plain(name);
     NAMES.iter().find(|(_, names)| among(names, &name)).map(|(kind, _)| *kind)
-}
-
-/// Whether a comment starts with the name of a frame, a step or a time and contains a number, as in
-/// `t = 0.5`.
-fn names_a_frame(comment: &str) -> bool {
-    let is_between = |c: char| !c.is_ascii_alphanumeric() && !"._+-".contains(c);
-    let parts = || comment.split(is_between).filter(|part| !part.is_empty());
-    parts().next().is_some_and(|part| kind(part).is_some())
-        && parts().any(|part| number(part.as_bytes()).is_some())
-}
-
-/// Blank lines and comments among the rows of a table without a splitting column. They may separate
-/// frames.
-#[derive(Default)]
-pub(super) struct Blocks {
-    rows: u64,
-    more: u64,
-    /// Whether a blank line or a comment follows the last row.
-    ended: bool,
-    /// The comment after the last row, if it names a frame, and its place.
-    named: Option<(String, String)>,
-}
-
-impl Blocks {
-    pub fn end(&mut self, lines: &Lines<'_>) {
-        self.ended = self.rows > 0;
-        let comment = lines.text();
-        if self.ended && names_a_frame(&comment) {
-            self.named = Some((comment, lines.place()));
-        }
-    }
-
-    pub fn row(&mut self) -> anyhow::Result<()> {
-        if let Some((comment, place)) = &self.named {
-            bail!(
-                "{place}: the comment '{}' may begin another frame; write the frame as a column, or \
-                 give --columns frame=none",
-                short(comment)
-            );
-        }
-        self.more += u64::from(std::mem::take(&mut self.ended));
-        self.rows += 1;
-        Ok(())
-    }
-
-    pub fn notice(&self) -> Option<Notice> {
-        let blocks = self.more + 1;
-        (self.more > 0 && self.rows > blocks).then(|| {
-            assumed!(
-                "blank lines or comments divide the rows into {blocks} blocks, taken as one frame"
-            )
-        })
-    }
 }
 
 fn place(columns: &Columns, of: BlockKind) -> Option<usize> {
@@ -204,16 +150,6 @@ impl Split {
             _ => beside.and_then(number),
         }
         .filter(|time| time.is_finite())
-    }
-
-    /// Returns a notice if the frame number in the file is not `index`.
-    pub fn notices(&self, index: u64) -> Option<Notice> {
-        let value = step_of(&self.value).filter(|_| self.kind == BlockKind::Frame)?;
-        let other = u64::try_from(value).ok() != Some(index);
-        other.then(|| {
-            let name = short(&self.name);
-            assumed!("frames are numbered from 0: frame {index} is that with {value} in '{name}'")
-        })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Frames of an array: one, or one for each index of the first dimension.
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 
 use super::{Header, any_header, particles};
 use crate::formats::Indexed;
@@ -44,10 +44,5 @@ fn frame(source: &mut Source<'_>, header: &mut Header, options: Options) -> anyh
     let (name, unnamed) = (source.name, options.columns.is_none());
     ensure!(unnamed, "{name}: an array has x, y, z, radius in this order; leave out --columns");
     let (particles, radius) = particles(source, header, options)?;
-    // If the user gives the dimension, columns that count the particles are accepted.
-    if let Some(which) = particles.numbered_column().filter(|_| options.dim.is_none()) {
-        let name = source.name;
-        bail!("{name}: the {which} column counts the particles; leave it out, or give --dim 3");
-    }
     Ok(loaded("NumPy npy", particles, radius))
 }

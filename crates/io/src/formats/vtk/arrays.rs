@@ -4,7 +4,6 @@ use anyhow::{anyhow, bail, ensure};
 use nalgebra::Point;
 
 use crate::columns::chosen::Chosen;
-use crate::columns::is_doubtful;
 use crate::options::Options;
 use crate::particles::sizes::{Ids, Size, one_of};
 use crate::particles::{Centres, Loaded, Particles, loaded, unused_sizes};
@@ -168,14 +167,11 @@ impl Arrays {
         &mut self,
         of: Of,
         label: &str,
-        kind: Scalar,
         components: u64,
         options: Options,
     ) -> anyhow::Result<Target> {
         let (column, of_points) = (Chosen::meaning(options.columns, label), of == Of::Points);
-        // Bytes named r are colours (red), not radii.
-        let red = label.eq_ignore_ascii_case("r") && kind == Scalar::U8 && !options.sizes_chosen();
-        let is_size = column.is_size() && !red;
+        let is_size = column.is_size();
         let one = components == 1 || of == Of::Nothing || !(is_size && options.sizes_chosen());
         ensure!(one, "'{}' has {components} numbers for each; a size is one number", short(label));
         Ok(match of {
@@ -259,7 +255,7 @@ impl Arrays {
         let mut notices = std::mem::take(&mut self.unused);
         self.cells.check(name, options, &mut notices)?;
         let in_order = !self.out_of_order && self.vertices == points.len() as u64;
-        self.usable(in_order && self.cells.lines + self.cells.faces == 0, options);
+        self.usable(in_order && self.cells.lines + self.cells.faces == 0);
         let size = one_of(self.sizes, name, &mut notices)?;
         let (radius, radii) = size.map_or((RadiusSource::Missing, None), Size::radii);
         let (n, sizes) = (points.len(), radii.as_ref().map_or(points.len(), Vec::len));
@@ -271,14 +267,12 @@ impl Arrays {
     }
 
     /// Keeps the sizes of points, or of cells if each is the point with its number.
-    fn usable(&mut self, cells_are_points: bool, options: Options) {
+    fn usable(&mut self, cells_are_points: bool) {
         let of_points = self.sizes.iter().any(|size| !size.of_cells);
         let sizes = std::mem::take(&mut self.sizes);
         for size in sizes {
-            let doubtful = !options.sizes_chosen() && is_doubtful(&size.label, &self.others);
-            if doubtful || size.of_cells && (of_points || !cells_are_points) {
-                let of = if size.of_cells { " (of cells)" } else { "" };
-                self.other(&format!("{}{of}", size.label));
+            if size.of_cells && (of_points || !cells_are_points) {
+                self.other(&format!("{} (of cells)", size.label));
             } else {
                 self.sizes.push(size);
             }

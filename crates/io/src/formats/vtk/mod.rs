@@ -110,7 +110,7 @@ impl Vtk<'_> {
         match (first, rest) {
             ("GLOBAL_IDS", [name, kind]) => {
                 let kind = self.kind(kind)?;
-                let target = self.arrays.target(self.of, "GlobalIds", kind, 1, self.options)?;
+                let target = self.arrays.target(self.of, "GlobalIds", 1, self.options)?;
                 self.array(target, kind, self.tuples, name)?;
             }
             ("SCALARS", [name, kind, rest @ ..]) => self.scalars(name, kind, rest.first())?,
@@ -147,7 +147,7 @@ impl Vtk<'_> {
         let (kind, place) = (self.kind(kind)?, self.lines.place());
         let components: u64 = components.map_or(Ok(1), |text| text.parse()).unwrap_or(0);
         ensure!((1..=4).contains(&components), "{place}: SCALARS have 1 to 4 components");
-        let target = self.arrays.target(self.of, name, kind, components, self.options);
+        let target = self.arrays.target(self.of, name, components, self.options);
         let target = target.with_context(|| place.clone())?;
         self.lines.advance()?;
         let is_table = self.lines.line().to_ascii_uppercase().starts_with(b"LOOKUP_TABLE");
@@ -225,7 +225,7 @@ impl Vtk<'_> {
         let tuples = self.count(tuples, "a number of tuples")?;
         let kind = self.kind(kind)?;
         let of = if tuples == self.tuples { self.of } else { Of::Nothing };
-        let target = self.arrays.target(of, label, kind, components, self.options);
+        let target = self.arrays.target(of, label, components, self.options);
         let target = target.with_context(|| place)?;
         self.array(target, kind, components.saturating_mul(tuples), label)
     }
