@@ -57,10 +57,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
             Pairs { contacts, ..Pairs::default() }
         }
         Some(path) => {
-            let mut list = list(path, options.source.input.frame.unwrap_or_default())?;
-            if !given.has_box && !periodic.lattice().repeats() {
-                list.without_box();
-            }
+            let list = list(path, options.source.input.frame.unwrap_or_default())?;
             let pairs = compared(&periodic, &list, limit);
             pairs.with_context(|| path.display().to_string())?
         }

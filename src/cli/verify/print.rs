@@ -104,12 +104,11 @@ fn files(out: &mut Output, options: &Verify, all: &All, one: Option<&Verified>) 
 fn conditions(out: &mut Output, all: &All) {
     let ([contacts, pairs], matched) = (all.left_out_pairs, &all.matched);
     let within = all.rows.iter().map(|row| row.within_skin).sum();
-    let others: Vec<&str> = all.others.iter().map(String::as_str).collect();
     let first: Vec<String> = matched.left_out.iter().take(6).map(u64::to_string).collect();
     let more = if matched.left_out.len() > first.len() { " …" } else { "" };
     let without = plural(matched.left_out.len(), "frame");
     for (count, words) in [
-        (others.len() as u64, format!("ignored: {}", pairs::columns_of(&others))),
+        (all.others.len() as u64, format!("ignored: {}", pairs::columns_of(&all.others))),
         (
             contacts + pairs,
             format!(

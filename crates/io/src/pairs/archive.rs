@@ -5,7 +5,7 @@
 use anyhow::{Context, bail, ensure};
 
 use super::array::Array;
-use super::columns::{Columns, is_image};
+use super::columns::Columns;
 use super::list::List;
 use super::{RowReader, push};
 use crate::formats::npy::{self, Header};
@@ -13,10 +13,7 @@ use crate::formats::npz;
 use crate::frames::{Choice, Reader};
 use crate::raw::lines::{Source, exact, listed, short};
 use crate::raw::room::room;
-use crate::types::{FrameChoice, assumed};
-
-/// Names that numpy.savez gives to unnamed arrays.
-const UNNAMED: [&str; 2] = ["arr_0", "arr_1"];
+use crate::types::FrameChoice;
 
 #[derive(Default)]
 struct Arrays {
@@ -45,7 +42,7 @@ impl Arrays {
                 }
                 None => self.others.push(label),
             },
-            Some(count @ 2..=3) if is_image(&label) => {
+            Some(count @ 2..=3) if label == "S" => {
                 let of = columns(&mut source, &mut header, count)?;
                 let place = || format!("{}: an image is not a whole number", source.name);
                 self.columns.extend(of.with_context(place)?);
@@ -62,15 +59,10 @@ impl Arrays {
 
     fn finish(mut self, name: &str, chosen: &[&str]) -> anyhow::Result<List> {
         let place = || name.to_string();
-        let mut named = match chosen.is_empty() || !self.names.is_empty() {
+        let named = match chosen.is_empty() || !self.names.is_empty() {
             true => Columns::named(&self.names, chosen, place)?,
             false => None,
         };
-        let mut notices = Vec::new();
-        if named.is_none() && self.names == UNNAMED {
-            named = Some(Columns::bare(2));
-            notices.push(assumed!("the arrays arr_0 and arr_1 are taken as i and j"));
-        }
         let Some(columns) = named else { return self.table(name) };
         let framed = self.names.iter().any(|it| ["frame", "step", "timestep"].contains(&&**it));
         ensure!(!framed, "{name}: pairs of several frames are read from CSV, with a column frame");
@@ -81,7 +73,7 @@ impl Arrays {
             let (other, found) = (short(&self.names[k]), self.columns[k].len());
             ensure!(found == n, "{name}: '{other}' has {found} numbers, and there are {n} pairs");
         }
-        let mut list = List { format: "NumPy npz", notices, ..List::default() };
+        let mut list = List { format: "NumPy npz", ..List::default() };
         for row in 0..n {
             let mut numbers = [0; 3];
             let of = columns.image.iter().map(|&k| self.columns[k][row]);
@@ -91,11 +83,7 @@ impl Arrays {
             push(&mut list, pair, image, || format!("{name}: pair {row}"))?;
         }
         columns.end(&mut list);
-        list.others.extend(self.others.iter().map(|name| super::Other {
-            name: short(name),
-            named: true,
-            whole: false,
-        }));
+        list.others.extend(self.others.iter().map(|name| short(name)));
         Ok(list)
     }
 

@@ -1,48 +1,23 @@
 //! The columns of a table that hold the two particles and the image of the second.
 
-use std::collections::HashMap;
-
-use anyhow::{Context, bail};
+use anyhow::{Context, ensure};
 
 use crate::pairs::{List, push};
-use crate::raw::lines::{Lines, among, listed, short, shown, whole};
+use crate::raw::lines::{Lines, listed, short, shown, whole};
 
 const PAIRS: [[&str; 2]; 5] =
     [["i", "j"], ["patom1", "patom2"], ["natom1", "natom2"], ["id1", "id2"], ["first", "second"]];
-/// Names of image columns, before the letter or number of an axis: `sx`, `S_x`, `shift[0]`,
-/// `Periodic Image.X`. Compared in lower case, letters and digits only.
-const IMAGES: &str =
-    "s shift cellshift unitshift unitcellshift image periodicimage pbcshift celloffset";
-const AXES: [[&str; 3]; 4] = [["x", "y", "z"], ["a", "b", "c"], ["0", "1", "2"], ["1", "2", "3"]];
-/// Columns of whole numbers that are known not to be images.
-const HARMLESS: &str = "index type ptype ntype patom natom id";
-
 const REMEDY: &str = "; name the columns of the two particles with --pairs-columns I,J, or fix \
                       the line";
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct Other {
-    /// The name of the column, or its number from 1.
-    pub name: String,
-    /// Whether the name of the column shows that it is not an image.
-    pub named: bool,
-    /// Whether the column could be an image by its name, and because all its numbers are whole.
-    pub whole: bool,
-}
-
-/// Returns column `k`, which has no name.
-pub(super) fn unnamed(k: usize) -> (usize, Other) {
-    (k, Other { name: (k + 1).to_string(), named: false, whole: false })
-}
 
 #[derive(Clone, Default)]
 pub(super) struct Columns {
     pub pair: [usize; 2],
     pub image: Vec<usize>,
-    /// Whether the image columns were guessed. A number that is not whole refutes the guess.
-    guessed: bool,
     ids: bool,
-    others: Vec<(usize, Other)>,
+    others: Vec<usize>,
+    /// Names of the columns; columns without names have none here.
+    names: Vec<String>,
     count: usize,
 }
 
@@ -73,30 +48,22 @@ impl Columns {
         let Some((i, j)) = pairs.find_map(|pair| pair).or_else(|| of_one_compute(names)) else {
             return Ok(None);
         };
-        let image = images(names, &place)?;
-        let others = (0..names.len()).filter(|k| ![i, j].contains(k) && !image.contains(k));
-        let other = |k: usize| {
-            let plain = plain(&names[k]);
-            let harmless = among(HARMLESS, plain.trim_end_matches(['1', '2']));
-            let named = !plain.is_empty() && !among(IMAGES, &plain);
-            (k, Other { name: short(&names[k]), named, whole: !harmless })
-        };
-        let others: Vec<(usize, Other)> = others.map(other).collect();
-        let ids = names[i].eq_ignore_ascii_case("id1");
-        let (pair, guessed, count) = ([i, j], false, names.len());
-        Ok(Some(Columns { pair, image, guessed, ids, others, count }))
+        let image: Vec<usize> = ["sx", "sy", "sz"].iter().map_while(|name| at(name)).collect();
+        ensure!(image.len() != 1, "{}: an image has sx, sy and, for spheres, sz", place());
+        let mut columns = Columns { pair: [i, j], image, ..Columns::bare(names.len()) };
+        let is_used = |k: &usize| columns.pair.contains(k) || columns.image.contains(k);
+        columns.others = (0..names.len()).filter(|k| !is_used(k)).collect();
+        columns.ids = names[i].eq_ignore_ascii_case("id1");
+        Ok(Some(Columns { names: names.to_vec(), ..columns }))
     }
 
-    /// Takes the first two of `count` unnamed columns as the pair. The image has 2 or 3 more.
+    /// Takes the first two of `count` unnamed columns as the pair.
     pub fn bare(count: usize) -> Columns {
-        let guessed = [4, 5].contains(&count);
-        let image = if guessed { (2..count).collect() } else { Vec::new() };
-        let others = if guessed { Vec::new() } else { (2..count).map(unnamed).collect() };
-        Columns { pair: [0, 1], image, guessed, ids: false, others, count }
+        Columns { pair: [0, 1], others: (2..count).collect(), count, ..Columns::default() }
     }
 
     pub fn known(&mut self, column: usize) {
-        self.others.retain(|(k, _)| *k != column);
+        self.others.retain(|&k| k != column);
     }
 
     pub fn push(
@@ -115,72 +82,29 @@ impl Columns {
         };
         let pair = [number(self.pair[0], "a particle")?, number(self.pair[1], "a particle")?];
         let mut image = [0; 3];
-        let read = self.image.iter().zip(&mut image).try_for_each(|(&k, to)| {
+        for (&k, to) in self.image.iter().zip(&mut image) {
             *to = number(k, "an image")?;
-            anyhow::Ok(())
-        });
-        let image = read.map(|()| (!self.image.is_empty()).then_some(image));
-        match image.and_then(|image| push(list, pair, image, || lines.place())) {
-            Err(_) if self.guessed && !self.image.is_empty() => {
-                list.images = None;
-                push(list, pair, None, || lines.place())?;
-                self.others.extend(self.image.drain(..).map(unnamed));
-            }
-            read => read?,
         }
-        for (k, other) in self.others.iter_mut().filter(|(_, other)| other.whole) {
-            other.whole = cells.get(*k).is_some_and(|cell| whole(cell).is_some());
-        }
-        if cells.len() > self.count {
-            self.others.extend((self.count..cells.len()).map(unnamed));
-            self.count = cells.len();
-        }
-        Ok(())
+        let image = (!self.image.is_empty()).then_some(image);
+        self.others.extend(self.count..cells.len());
+        self.count = self.count.max(cells.len());
+        push(list, pair, image, || lines.place())
     }
 
     pub fn end(self, list: &mut List) {
         list.flat = self.image.len() == 2;
         list.named_ids = self.ids;
-        list.guessed = self.guessed && !self.image.is_empty();
         if !self.image.is_empty() {
             list.images.get_or_insert_default();
         }
-        list.others = self.others.into_iter().map(|(_, other)| other).collect();
+        let name = |&k: &usize| self.names.get(k).map_or((k + 1).to_string(), |name| short(name));
+        list.others = self.others.iter().map(name).collect();
+        list.unnamed = self.others.iter().any(|&k| k >= self.names.len());
     }
-}
-
-pub(super) fn is_image(name: &str) -> bool {
-    among(IMAGES, &plain(name))
-}
-
-/// Returns the letters and digits of a name, in lower case.
-fn plain(name: &str) -> String {
-    name.chars().filter(|c| c.is_ascii_alphanumeric()).map(|c| c.to_ascii_lowercase()).collect()
 }
 
 fn of_one_compute(names: &[String]) -> Option<(usize, usize)> {
     let first = names.iter().position(|name| name.ends_with("[1]"))?;
     let second = names[first].replace("[1]", "[2]");
     Some((first, names.iter().position(|name| *name == second)?))
-}
-
-fn images(names: &[String], place: impl Fn() -> String) -> anyhow::Result<Vec<usize>> {
-    let mut places = HashMap::new();
-    for (k, name) in names.iter().enumerate() {
-        places.entry(plain(name)).or_insert(k);
-    }
-    for axes in AXES {
-        for stem in IMAGES.split(' ') {
-            let at = axes.map(|axis| places.get(&format!("{stem}{axis}")).copied());
-            match at {
-                [Some(x), Some(y), Some(z)] => return Ok(vec![x, y, z]),
-                [Some(x), Some(y), None] => return Ok(vec![x, y]),
-                // A single column such as s1 may hold anything.
-                [None, None, None] => {}
-                _ if axes != AXES[0] => {}
-                _ => bail!("{}: an image has {stem}x, {stem}y and, for spheres, {stem}z", place()),
-            }
-        }
-    }
-    Ok(Vec::new())
 }

@@ -9,8 +9,9 @@ use super::Rows;
 use super::columns::Columns;
 use super::list::List;
 use crate::frames::Choice;
-use crate::raw::lines::{Lines, Separator, decoded, listed, number, shown, whole, words};
-use crate::types::{Notice, assumed};
+use crate::raw::lines::{
+    Lines, Separator, decoded, header_of, is_comment, number, shown, uncommented, whole,
+};
 
 pub(super) struct Csv<'a> {
     lines: Lines<'a>,
@@ -18,12 +19,6 @@ pub(super) struct Csv<'a> {
     layout: Layout,
     columns: Option<Columns>,
     ahead: bool,
-    notices: Vec<Notice>,
-}
-
-fn uncommented(line: &[u8]) -> &[u8] {
-    let end = line.iter().position(|c| matches!(c, b'#' | b'%')).unwrap_or(line.len());
-    line[..end].trim_ascii_end()
 }
 
 fn is_header(names: &[String]) -> bool {
@@ -73,7 +68,7 @@ impl Label {
 impl<'a> Csv<'a> {
     pub fn new(lines: Lines<'a>, chosen: &'a [&'a str]) -> Csv<'a> {
         let layout = Layout::default();
-        Csv { lines, chosen, layout, columns: None, ahead: false, notices: Vec::new() }
+        Csv { lines, chosen, layout, columns: None, ahead: false }
     }
 
     fn header(&mut self) -> anyhow::Result<()> {
@@ -83,16 +78,9 @@ impl<'a> Csv<'a> {
             if line.is_empty() {
                 continue;
             }
-            let comment = uncommented(line).is_empty();
-            let line = if comment { line[1..].trim_ascii() } else { line };
-            // A name may contain a sign, as in 'overlap %' or 'Pair #,i,j'.
-            let end = line.windows(2).position(|two| two == b" #").unwrap_or(line.len());
-            let bare = uncommented(&line[..end]);
-            let in_name = words(bare).count() < 2
-                && Separator::guess(bare) == Separator::Blanks
-                && Separator::guess(line) != Separator::Blanks;
-            let line = if in_name { line } else { &line[..end] };
-            let separator = Separator::guess(if in_name { line } else { bare });
+            let comment = is_comment(line);
+            let line = header_of(if comment { line[1..].trim_ascii() } else { line });
+            let separator = Separator::guess(line);
             let cells: Vec<&[u8]> = separator.cells(line).collect();
             let names: Vec<String> = cells.iter().map(|cell| decoded(cell)).collect();
             let place = || lines.place();
@@ -106,20 +94,13 @@ impl<'a> Csv<'a> {
                 continue;
             }
             ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", place());
-            let count = separator.cells(uncommented(line)).count();
-            let numbers = || (1..=count).map(|k| k.to_string()).collect();
+            let numbers = || (1..=cells.len()).map(|k| k.to_string()).collect();
             let names = if header { names } else { numbers() };
             let named = Columns::named(&names, chosen, place)?;
-            if header && named.is_none() {
-                let two = names.len() == 2;
-                ensure!(two, "{lines}: which columns hold the pair? Give --pairs-columns I,J");
-                self.notices.push(assumed!(
-                    "line {} is taken for a header, with the names {}; write i,j if it is one, and \
-                     numbers if it is a pair",
-                    lines.at(),
-                    listed(&names)
-                ));
-            }
+            ensure!(
+                named.is_some() || !header,
+                "{lines}: which columns hold the pair? Give --pairs-columns I,J, or write i,j"
+            );
             let columns = named.unwrap_or_else(|| Columns::bare(names.len()));
             self.layout = Layout { separator, columns: Some(columns), label };
             self.ahead = !header;
@@ -143,7 +124,7 @@ impl Rows for Csv<'_> {
         let Csv { lines, layout: Layout { separator, columns, label }, .. } = self;
         while columns.is_some() && (std::mem::take(&mut self.ahead) || lines.advance()?) {
             let line = uncommented(lines.line());
-            if !line.is_empty() {
+            if !line.is_empty() && !is_comment(line) {
                 let cells: Vec<&[u8]> = separator.cells(line).collect();
                 return label.map_or(Ok(0), |label| label.of(&cells, lines)).map(Some);
             }
@@ -164,7 +145,7 @@ impl Rows for Csv<'_> {
 
     fn list(&mut self) -> List {
         self.columns = self.layout.columns.clone();
-        List { format: "CSV", notices: std::mem::take(&mut self.notices), ..List::default() }
+        List { format: "CSV", ..List::default() }
     }
 
     fn end(&mut self, list: &mut List) {

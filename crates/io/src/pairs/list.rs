@@ -2,7 +2,6 @@
 
 use anyhow::ensure;
 
-use super::columns::{Other, unnamed};
 use crate::types::Notice;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,9 +17,10 @@ pub struct List {
     pub images: Option<Vec<[i32; 3]>>,
     /// Whether images have two numbers instead of three.
     pub flat: bool,
-    /// Whether unnamed columns were taken for images only by the number of columns.
-    pub guessed: bool,
-    pub others: Vec<Other>,
+    /// Names of unused columns, or their numbers from 1.
+    pub others: Vec<String>,
+    /// Whether an unused column has no name, so that it may be an image.
+    pub unnamed: bool,
     /// Whether numbers are LAMMPS ids instead of positions in a file.
     pub ids: bool,
     /// Whether the columns are called `id1` and `id2`, which means ids if the particles have any.
@@ -29,40 +29,24 @@ pub struct List {
 }
 
 impl List {
-    /// Refuses a list whose images have too few axes for the periodic box, or with columns that may
-    /// be images but are not known to be.
+    /// Refuses a list whose images have too few axes for the periodic box, or with columns without
+    /// names, which may be images.
     pub fn understood(&self, dim: usize, periodic: [bool; 3]) -> anyhow::Result<()> {
         let third = self.images.is_none() || !self.flat || dim == 2 || !periodic[2];
         ensure!(third, "images have two numbers, and the box repeats along z, too; add sz");
         let two = self.images.is_none() || self.flat || dim == 3 || self.format != "npy";
         ensure!(two, "images have three numbers, and these are discs; or give --frame all");
-        if self.images.is_none() {
-            let names = |which: &dyn Fn(&Other) -> bool| -> Vec<&str> {
-                let such = self.others.iter().filter(|other| which(other));
-                such.map(|other| &*other.name).collect()
-            };
-            let (unnamed, whole) = (names(&|other| !other.named), names(&|other| other.whole));
-            let doubtful = if unnamed.is_empty() && whole.len() >= dim { whole } else { unnamed };
-            let z = if dim == 2 { "" } else { ",SZ" };
-            ensure!(
-                doubtful.is_empty(),
-                "{} may be images; give --pairs-columns I,J,SX,SY{z} if so, otherwise \
-                 --pairs-columns I,J",
-                columns_of(&doubtful)
-            );
-        }
+        let z = if dim == 2 { "" } else { ",SZ" };
+        ensure!(
+            self.images.is_some() || !self.unnamed,
+            "{} may be images; give --pairs-columns I,J,SX,SY{z} if so, otherwise --pairs-columns I,J",
+            columns_of(&self.others)
+        );
         Ok(())
-    }
-
-    pub fn without_box(&mut self) {
-        if std::mem::take(&mut self.guessed) {
-            self.images = None;
-            self.others.splice(..0, (2..if self.flat { 4 } else { 5 }).map(|k| unnamed(k).1));
-        }
     }
 }
 
-pub fn columns_of(names: &[&str]) -> String {
+pub fn columns_of(names: &[String]) -> String {
     let listed = crate::raw::lines::listed(names);
     format!("column{} {listed}", if names.len() == 1 { "" } else { "s" })
 }

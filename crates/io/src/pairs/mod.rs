@@ -24,7 +24,6 @@ mod columns;
 mod csv;
 mod dump;
 mod list;
-pub use columns::Other;
 pub use list::{List, columns_of};
 
 /// The contact lists of a file.

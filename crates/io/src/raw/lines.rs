@@ -268,6 +268,17 @@ pub(crate) fn uncommented(line: &[u8]) -> &[u8] {
     line
 }
 
+/// Returns a line of names without its comment. The sign in a name such as `Spot #` has separators
+/// after it, unlike a comment.
+pub(crate) fn header_of(text: &[u8]) -> &[u8] {
+    let line = uncommented(text);
+    let few = words(line).count() < 2 || Separator::guess(line) != Separator::Blanks;
+    match Separator::guess(text) {
+        Separator::One(c) if few && text[line.len()..].contains(&c) => text,
+        _ => line,
+    }
+}
+
 fn unquoted(cell: &[u8]) -> &[u8] {
     if let [b'"', inner @ .., b'"'] = cell { inner.trim_ascii() } else { cell }
 }

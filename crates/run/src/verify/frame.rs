@@ -89,7 +89,7 @@ impl Verified {
     /// with `explain`, tries other ways to read the list.
     pub(super) fn new(
         asked: &Asked<'_>,
-        mut list: List,
+        list: List,
         mut particles: Particles,
         about: &About,
         kept: usize,
@@ -119,7 +119,7 @@ impl Verified {
             }
             None => {
                 let of_file = about.declared.as_ref();
-                open(asked, &mut list, of_file.and_then(|of| of.vectors).is_some())?;
+                open(asked, &list, of_file.and_then(|of| of.vectors).is_some())?;
                 Periodic::new(scene, Lattice::OPEN)?
             }
         };
@@ -169,10 +169,7 @@ fn namings(
 }
 
 /// Fails if the list has pairs with a shift although boundaries are open.
-fn open(asked: &Asked<'_>, list: &mut List, has_box: bool) -> anyhow::Result<()> {
-    if !has_box {
-        list.without_box();
-    }
+fn open(asked: &Asked<'_>, list: &List, has_box: bool) -> anyhow::Result<()> {
     let images = list.images.as_deref().unwrap_or_default();
     let Some(k) = images.iter().position(|image| *image != [0; 3]) else { return Ok(()) };
     let remedy = match has_box {

@@ -116,8 +116,8 @@ impl All {
         }
         self.left_out_pairs.iter_mut().zip(found.left_out).for_each(|(all, of)| *all += of);
         for other in &list.others {
-            if !self.others.contains(&other.name) {
-                self.others.push(other.name.clone());
+            if !self.others.contains(other) {
+                self.others.push(other.clone());
             }
         }
         self.rows.push(FrameResult {

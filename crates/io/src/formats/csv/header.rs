@@ -6,7 +6,7 @@ use super::split::{self, Split};
 use crate::columns::Columns;
 use crate::columns::chosen::Chosen;
 use crate::options::Options;
-use crate::raw::lines::{Lines, Separator, decoded, is_comment, number, uncommented, words};
+use crate::raw::lines::{Lines, Separator, decoded, header_of, is_comment, number, words};
 use crate::types::Declared;
 
 #[derive(Default)]
@@ -110,14 +110,7 @@ fn named_by(
     comments: &mut Comments,
     options: Options,
 ) -> anyhow::Result<Header> {
-    let (place, text) = (lines.place(), lines.line());
-    let line = uncommented(text);
-    // The sign in a name such as `Spot #` has separators after it, unlike a comment.
-    let few = words(line).count() < 2 || Separator::guess(line) != Separator::Blanks;
-    let line = match Separator::guess(text) {
-        Separator::One(c) if few && text[line.len()..].contains(&c) => text,
-        _ => line,
-    };
+    let (place, line) = (lines.place(), header_of(lines.line()));
     let separator = Separator::guess(line);
     let table = Header { separator, ..Header::default() };
     let count = separator.cells(line).count();

@@ -7,10 +7,10 @@ use crate::columns::Column;
 use crate::formats::npy::{self, Header};
 use crate::options::Options;
 use crate::raw::lines::{Source, among, short};
-use crate::types::{Declared, Notice};
+use crate::types::Declared;
 
-const BOXES: &str = "box cell lattice l boxsize box_size boxlength box_length box_lengths";
-const FLAGS: &str = "pbc periodic periodicity";
+const BOXES: &str = "box cell lattice l";
+const FLAGS: &str = "pbc periodic";
 
 #[derive(Default)]
 pub(super) struct Cell {
@@ -66,14 +66,12 @@ impl Cell {
         Ok(())
     }
 
-    /// Returns the box of a frame, and adds notices about assumptions. `frame` is the index of the
-    /// frame and the number of frames.
+    /// Returns the box of a frame. `frame` is the index of the frame and the number of frames.
     pub fn declared(
         &self,
         frame: Option<[u64; 2]>,
         name: &str,
         options: Options,
-        notices: &mut Vec<Notice>,
     ) -> anyhow::Result<Option<Declared>> {
         let periodic = self.periodic;
         let Some(BoxArray { values, shape, label }) = &self.vectors else {
@@ -91,11 +89,10 @@ impl Cell {
             let length = values.len() / (frames as usize).max(1);
             (values, one) = (&values[k as usize * length..][..length], rest);
         }
-        let (all, what) = match (one, values) {
-            ([] | [1], &[a]) => (vec![a; 3], "edge"),
-            ([2] | [3], _) => (values.to_vec(), "edges"),
-            ([2, 2] | [3, 3], _) => (values.to_vec(), "vectors, one a row,"),
-            _ => (vec![], ""),
+        let all = match (one, values) {
+            ([] | [1], &[a]) => vec![a; 3],
+            ([2] | [3] | [2, 2] | [3, 3], _) => values.to_vec(),
+            _ => Vec::new(),
         };
         let vectors = boxes::vectors(&all).with_context(|| {
             format!(
@@ -104,11 +101,6 @@ impl Cell {
                 npy::shape(shape)
             )
         })?;
-        let numbers: Vec<String> = values.iter().map(f64::to_string).collect();
-        notices.push(Notice::Assumed(format!(
-            "the array '{label}' is taken as the {what} of the box: {}",
-            numbers.join(" ")
-        )));
         Ok(Some(Declared { vectors: Some(vectors), periodic, ..Declared::default() }))
     }
 }

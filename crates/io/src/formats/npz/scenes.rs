@@ -10,11 +10,10 @@ use crate::formats::Indexed;
 use crate::formats::npy::{self, Header};
 use crate::frames::Framed;
 use crate::options::{Opened, Options};
-use crate::particles::sizes::{Ids, Size, one_of};
+use crate::particles::sizes::{Size, radii};
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
-use crate::raw::lines::{Source, short};
+use crate::raw::lines::{Source, exact, short};
 use crate::raw::room::{room, room_for};
-use crate::raw::scalars::Scalar;
 use crate::types::{About, Notice, RadiusSource};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
@@ -38,7 +37,8 @@ struct Scenes {
     points: Option<String>,
     sizes: Vec<Array>,
     around: Cell,
-    ids: Vec<Ids>,
+    /// Ids; `None` if there are none, or if a number is not whole.
+    ids: Option<Vec<i64>>,
     names: Vec<String>,
     others: Vec<String>,
     /// Notices about arrays of sizes that are unused because the options give a radius.
@@ -91,12 +91,11 @@ impl Scenes {
         };
         match (&header.sizes[..], column) {
             _ if is_box => self.around.take(source, &mut header, label, options)?,
-            (&[_], _) if options.ids && Ids::is_named(label, column) => {
-                let mut ids = Ids::new(label, column);
-                header.values(source, header.count(), |_, value| ids.push(value))?;
-                self.ids.push(ids);
+            (&[_], Column::Id) if options.ids => {
+                let ids = npy::list(source, &mut header, label, column)?;
+                self.ids = ids.into_iter().map(exact).collect();
             }
-            (_, Column::Radius | Column::Diameter) if is_size(&header, label, options) => {
+            (_, Column::Radius | Column::Diameter) => {
                 header.keep(source)?;
                 self.sizes.push(Array { header, label: label.to_string(), column });
             }
@@ -137,20 +136,6 @@ impl Scenes {
         if let Some(chosen) = options.columns {
             chosen.among(&self.names, name)?;
         }
-        let has = |label: &str| self.others.iter().any(|other| other.eq_ignore_ascii_case(label));
-        if !options.sizes_chosen() && has("g") && has("b") {
-            let red = |size: &mut Array| size.label.eq_ignore_ascii_case("r");
-            self.others.extend(self.sizes.extract_if(.., red).map(|size| size.label));
-        }
-        let axes = self.axes.iter().any(Option::is_some);
-        let rows = |of: &Array| matches!(of.header.sizes[..], [_, 2..=4]) && of.header.is_real();
-        // If no other array holds points, sizes with 2 to 4 columns are points.
-        if let Some(k) = self.sizes.iter().position(rows).filter(|_| !axes && self.points.is_none())
-        {
-            let Array { header, label, .. } = self.sizes.swap_remove(k);
-            self.has_points(&label, name)?;
-            self.frames = Some(header);
-        }
         if let Some(given) = options.radius {
             let unused = self.sizes.drain(..).map(|size| unused_sizes(&size.label, given));
             self.unused.extend(unused);
@@ -185,25 +170,21 @@ impl Scenes {
             }
         };
         let n = particles.len();
-        particles.ids = particles.ids.or_else(|| Ids::of(self.ids.clone(), n));
+        particles.ids = self.ids.clone().filter(|ids| ids.len() == n);
         particles.notices.extend(self.unused.iter().cloned());
         let of_frame = |size| of_frame(size, n, frame).with_context(|| name.to_string());
         let sizes = self.sizes.iter_mut().map(of_frame).collect::<anyhow::Result<_>>()?;
-        if let Some(size) = one_of(sizes, name, &mut particles.notices)? {
-            let (twice, label) = (particles.has_radii(), short(&size.label));
-            ensure!(!twice, "{name} holds radii in the array of points and in '{label}'; keep one");
-            (radius, particles.radii) = size.radii();
+        let (source, radii) = radii(sizes, name)?;
+        if radii.is_some() {
+            let twice = particles.has_radii();
+            ensure!(!twice, "{name} holds radii in the array of points and in another; keep one");
+            (radius, particles.radii) = (source, radii);
         }
         particles.unused.extend(self.others.iter().take(256).cloned());
-        let declared = self.around.declared(frame, name, options, &mut particles.notices)?;
+        let declared = self.around.declared(frame, name, options)?;
         let (particles, about) = loaded("NumPy npz", particles, radius);
         Ok((particles, About { declared, ..about }))
     }
-}
-
-/// Whether the array has sizes. Bytes named r are colours (red), unless they are chosen.
-fn is_size(header: &Header, label: &str, options: Options) -> bool {
-    options.sizes_chosen() || header.kind != Scalar::U8 || !label.eq_ignore_ascii_case("r")
 }
 
 /// Returns the sizes of one frame. The array has one size in all, one per particle, or one per

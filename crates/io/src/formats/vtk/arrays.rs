@@ -3,14 +3,15 @@
 use anyhow::{anyhow, bail, ensure};
 use nalgebra::Point;
 
+use crate::columns::Column;
 use crate::columns::chosen::Chosen;
 use crate::options::Options;
-use crate::particles::sizes::{Ids, Size, one_of};
+use crate::particles::sizes::{Size, radii};
 use crate::particles::{Centres, Loaded, Particles, loaded, unused_sizes};
-use crate::raw::lines::{Source, short};
+use crate::raw::lines::{Source, exact, short};
 use crate::raw::room::room;
 use crate::raw::scalars::Scalar;
-use crate::types::{Notice, RadiusSource, assumed};
+use crate::types::{Notice, assumed};
 use contactbench_terms::number::plural;
 
 #[derive(Clone, Copy, Default)]
@@ -72,7 +73,8 @@ pub enum Target {
     Types(Cells),
     /// Number of points that are copies of other points.
     Ghosts(u64),
-    Ids(Ids),
+    /// Ids; `None` if a number is not whole or not exact in f64.
+    Ids(Option<Vec<i64>>),
     Nothing,
 }
 
@@ -109,7 +111,13 @@ impl Target {
             }
             Target::Types(cells) => cells.push(value),
             Target::Ghosts(ghosts) => *ghosts += u64::from(value != 0.0),
-            Target::Ids(ids) => ids.push(value)?,
+            Target::Ids(ids) => match (exact(value), &mut *ids) {
+                (Some(id), Some(ids)) => {
+                    room(ids)?;
+                    ids.push(id);
+                }
+                _ => *ids = None,
+            },
             Target::Nothing => {}
         }
         Ok(())
@@ -154,7 +162,7 @@ pub struct Arrays {
     /// Number of cells of one point, if all are in the order of the points.
     vertices: u64,
     ghosts: u64,
-    ids: Vec<Ids>,
+    ids: Option<Vec<i64>>,
     /// Notices about arrays of sizes that are unused because the options give a radius.
     unused: Vec<Notice>,
 }
@@ -178,8 +186,9 @@ impl Arrays {
             Of::Points if ["vtkGhostType", "vtkGhostLevels"].contains(&label) => Target::Ghosts(0),
             Of::Nothing => Target::Nothing,
             _ if components != 1 => Target::Nothing,
-            Of::Points if options.ids && Ids::is_named(label, column) => {
-                Target::Ids(Ids::new(label, column))
+            Of::Points if options.ids && (column == Column::Id || label == "GlobalIds") => {
+                self.other(label);
+                Target::Ids(Some(Vec::new()))
             }
             _ if is_size && options.radius.is_none() => {
                 let (values, label) = (Vec::new(), label.to_string());
@@ -226,7 +235,7 @@ impl Arrays {
                 self.cells.faces += faces;
             }
             Target::Ghosts(ghosts) => self.ghosts += ghosts,
-            Target::Ids(ids) => self.ids.push(ids),
+            Target::Ids(ids) => self.ids = self.ids.take().or(ids),
             Target::Nothing => {}
         }
         Ok(())
@@ -248,19 +257,17 @@ impl Arrays {
                 "{name}: {format} has its own points; choose only a size: r=NAME or d=NAME"
             );
             let sizes = self.sizes.iter().map(|size| &size.label);
-            let ids = self.ids.iter().map(|ids| &ids.label);
-            let names: Vec<&String> = sizes.chain(ids).chain(&self.others).collect();
+            let names: Vec<&String> = sizes.chain(&self.others).collect();
             chosen.among(&names, name)?;
         }
         let mut notices = std::mem::take(&mut self.unused);
         self.cells.check(name, options, &mut notices)?;
         let in_order = !self.out_of_order && self.vertices == points.len() as u64;
         self.usable(in_order && self.cells.lines + self.cells.faces == 0);
-        let size = one_of(self.sizes, name, &mut notices)?;
-        let (radius, radii) = size.map_or((RadiusSource::Missing, None), Size::radii);
+        let (radius, radii) = radii(self.sizes, name)?;
         let (n, sizes) = (points.len(), radii.as_ref().map_or(points.len(), Vec::len));
         ensure!(n == sizes, "{name} holds {n} points but {sizes} radii; write it again");
-        let (ids, unused) = (Ids::of(self.ids, n), self.others);
+        let (ids, unused) = (self.ids.filter(|ids| ids.len() == n), self.others);
         let centres = Centres::Space(points);
         let particles = Particles { centres, radii, ids, notices, unused, ..Particles::default() };
         Ok(loaded(format, particles, radius))

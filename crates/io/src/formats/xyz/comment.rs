@@ -9,16 +9,12 @@
 //!
 //! Specification: <https://github.com/libAtoms/extxyz>.
 
-use anyhow::{bail, ensure};
+use anyhow::bail;
 
 use crate::raw::lines::short;
 
-/// Keys that change which contacts are found, and other names that users may write for them.
-const DECIDE: [(&str, &[&str]); 3] = [
-    ("Lattice", &["cell", "unit-cell", "box", "box-size", "lattice-vectors", "cell-vectors"]),
-    ("pbc", &["pcb", "bpc", "periodic", "periodicity", "boundary", "boundaries"]),
-    ("Properties", &["property", "columns"]),
-];
+/// Keys that change which contacts are found, before their values.
+const DECIDE: [&str; 3] = ["lattice=", "pbc=", "properties="];
 
 #[derive(Debug)]
 pub(super) struct Pair {
@@ -38,62 +34,17 @@ impl Comment {
     /// Parses the line. A line that does not consist of pairs is a plain comment, unless it
     /// contains a key of [`DECIDE`].
     pub fn read(line: &str) -> anyhow::Result<Comment> {
-        let keys = || DECIDE.iter().map(|(key, _)| *key).filter(|key| mentions(line, key));
-        let comment = match (pairs(line), keys().next()) {
-            (Ok(pairs), _) => Comment(pairs),
-            (Err((at, why)), Some(key)) => {
-                bail!("column {}: {why}, so {key} is not read", at + 1)
-            }
-            (Err(_), None) => return Ok(Comment::default()),
-        };
-        for key in keys() {
-            let mut same = comment.0.iter().filter(|pair| pair.key.eq_ignore_ascii_case(key));
-            let (first, second) = (same.next(), same.next());
-            ensure!(
-                first.is_some(),
-                "{key} stands within the value of another key: fix the quotes"
-            );
-            if let Some(second) = second {
-                bail!("column {}: {key} stands there twice; remove one", second.column);
-            }
+        let has_key = || DECIDE.iter().any(|key| line.to_ascii_lowercase().contains(key));
+        match pairs(line) {
+            Ok(pairs) => Ok(Comment(pairs)),
+            Err((at, why)) if has_key() => bail!("column {}: {why}", at + 1),
+            Err(_) => Ok(Comment::default()),
         }
-        Ok(comment)
     }
 
     pub fn get(&self, key: &str) -> Option<&Pair> {
         self.0.iter().find(|pair| pair.key.eq_ignore_ascii_case(key))
     }
-
-    /// If the key `wanted` is missing, refuses keys that likely stand for it.
-    pub fn no_other(&self, wanted: &str, remedy: &str) -> anyhow::Result<()> {
-        let others = DECIDE.iter().find(|(key, _)| *key == wanted).map_or(&[][..], |it| it.1);
-        let plain = wanted.to_lowercase();
-        let near = |key: &str| {
-            let key = key.to_lowercase().replace('_', "-");
-            others.contains(&&*key)
-                || plain.len() > 3 && strsim::osa_distance(&key, &plain) <= 2
-                || wanted == "pbc" && key.starts_with("pbc")
-        };
-        if self.get(wanted).is_none()
-            && let Some(pair) = self.0.iter().find(|pair| near(&pair.key))
-        {
-            let (column, key) = (pair.column, short(&pair.key));
-            bail!(
-                "column {column}: the key '{key}' may be meant for {wanted}; name it {wanted}{remedy}"
-            );
-        }
-        Ok(())
-    }
-}
-
-fn mentions(line: &str, key: &str) -> bool {
-    let (line, key) = (line.to_ascii_lowercase(), key.to_ascii_lowercase());
-    let begins =
-        |at: usize| !line[..at].ends_with(|c: char| c.is_ascii_alphanumeric() || "_-".contains(c));
-    line.match_indices(&key).filter(|&(at, _)| begins(at)).any(|(at, _)| {
-        let rest = line[at + key.len()..].trim_start_matches(['"', '\'', ' ', '\t']);
-        rest.starts_with('=')
-    })
 }
 
 /// Byte position of a syntax error, counted from 0, and its description.
@@ -188,21 +139,7 @@ impl Scan<'_> {
         while let Some(c) = self.next() {
             open += i32::from(c == '[') - i32::from(c == ']');
             if open == 0 {
-                let text = &self.line[start..self.at];
-                let cells = |row: &str| {
-                    row.split(|c: char| c == ',' || c.is_whitespace())
-                        .filter(|cell| !cell.is_empty())
-                        .count()
-                };
-                let mut lengths = text.split(['[', ']']).map(cells).filter(|&length| length > 0);
-                let first = lengths.next();
-                return match lengths.all(|length| Some(length) == first) {
-                    true => Ok(text.into()),
-                    false => Err((start, "the rows of the array are not equally long")),
-                };
-            }
-            if open > 2 {
-                return Err((self.at - 1, "arrays have two levels at most"));
+                return Ok(self.line[start..self.at].into());
             }
         }
         Err((start, "the bracket that begins here has no end"))

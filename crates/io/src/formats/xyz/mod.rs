@@ -17,13 +17,12 @@ use anyhow::{Context, ensure};
 use comment::{Comment, Pair};
 
 use crate::boxes;
-use crate::boxes::Boundaries;
 use crate::columns::{Column, Columns};
 use crate::frames::Framed;
 use crate::options::{Opened, Options};
 use crate::particles::Loaded;
 use crate::raw::lines::{Lines, Source, number, short, shown, step_of, words};
-use crate::types::{About, Declared, Notice, assumed};
+use crate::types::{About, Declared};
 
 const MOST_COLUMNS: usize = 10_000;
 
@@ -75,19 +74,6 @@ impl Framed for Xyz<'_> {
     }
 }
 
-/// Returns a notice if a comment has three positive numbers or names columns. Some programs write
-/// boxes and columns there in forms that are not read.
-fn maybe_box(line: &str) -> Option<Notice> {
-    let cells = line.split(|c: char| c.is_whitespace() || ",:=".contains(c));
-    let numbers = cells.filter(|cell| number(cell.as_bytes()).is_some_and(|x| x > 0.0)).count();
-    let columns = line.to_ascii_lowercase().contains("columns:");
-    (numbers >= 3 || columns).then(|| {
-        assumed!(
-            "line 2 may hold a box or columns, and is not read; --box and --columns replace it"
-        )
-    })
-}
-
 const ROWS: &str = "particles that the frame's first line announces: it is cut off, or still being \
                     written; fix the number or the file";
 
@@ -95,9 +81,9 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
     // A file with 0 particles may end before its comment line.
     let line = if lines.advance()? { lines.text() } else { String::new() };
     let comment = Comment::read(&line).with_context(|| lines.place())?;
-    let columns = columns(&comment, options).with_context(|| lines.place())?;
+    let columns = columns(&comment).with_context(|| lines.place())?;
     let space = columns.meaning.contains(&Column::Axis(2));
-    let declared = match declared(&line, &comment, space, options) {
+    let declared = match declared(&comment, space, options) {
         // A faulty box does not matter if boundaries are open.
         Err(_) if options.boundaries.open => None,
         declared => declared.with_context(|| lines.place())?,
@@ -123,43 +109,28 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
         );
         rows.push(line, lines)?;
     }
-    let (mut particles, about) = rows.read(if plain { "XYZ" } else { "extended XYZ" });
-    let silent = plain && declared.is_none() && options.boundaries == Boundaries::AS_DECLARED;
-    particles.notices.extend(maybe_box(&line).filter(|_| silent));
+    let (particles, about) = rows.read(if plain { "XYZ" } else { "extended XYZ" });
     let first = |key: &str| comment.get(key)?.cells.first().map(String::as_bytes);
     let step = first("step").or(first("timestep")).and_then(step_of);
     let time = first("time").and_then(number);
     Ok((particles, About { declared, step, time, ..about }))
 }
 
-fn columns(comment: &Comment, options: Options) -> anyhow::Result<Columns> {
+fn columns(comment: &Comment) -> anyhow::Result<Columns> {
     match comment.get("Properties") {
         Some(Pair { text, .. }) => {
             announced(text).with_context(|| format!("Properties={}", short(text)))
         }
-        None => {
-            if options.columns.is_none() {
-                comment.no_other("Properties", ", or give --columns")?;
-            }
-            Ok(Columns { or_more: true, ..Columns::named(["species", "x", "y", "z"]) })
-        }
+        None => Ok(Columns { or_more: true, ..Columns::of("species x y z") }),
     }
 }
 
 /// Returns the box of the comment line; without `pbc` a lattice is periodic along all vectors.
-fn declared(
-    line: &str,
-    comment: &Comment,
-    space: bool,
-    options: Options,
-) -> anyhow::Result<Option<Declared>> {
+fn declared(comment: &Comment, space: bool, options: Options) -> anyhow::Result<Option<Declared>> {
     let boundaries = options.boundaries;
     let dim = if space { 3 } else { 2 };
     let mut vectors = None;
     if boundaries.edges.is_none() {
-        let i_pi = line.contains("CELL(") || line.contains("CELL{");
-        ensure!(!i_pi, "the box as i-PI writes it (CELL) is not read; give --box or --open");
-        comment.no_other("Lattice", ", or give --box or --open")?;
         let what = match space {
             true => "nine finite numbers, one vector after the other, or three edges",
             false => "nine finite numbers, one vector after the other, or four for discs",
@@ -173,7 +144,6 @@ fn declared(
     let origin = origin.transpose()?;
     let mut periodic = vectors.map(|_| [true; 3]);
     if boundaries.periodic.is_none() {
-        comment.no_other("pbc", ", or give --periodic or --open")?;
         if let Some(pair) = comment.get("pbc") {
             periodic = Some(pair.flags(dim)?);
         }
