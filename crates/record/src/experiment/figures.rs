@@ -25,6 +25,9 @@ pub enum FigureKind {
     SpeedError(SpeedError),
 }
 
+/// The names of all kinds of figures; the first is that of a figure without a kind.
+pub const KINDS: [&str; 3] = ["lines", "bars", "speed-error"];
+
 impl FigureKind {
     pub fn expression(&self) -> Option<&Expression> {
         match self {

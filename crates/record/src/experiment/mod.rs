@@ -8,7 +8,6 @@ pub mod claims;
 pub mod document;
 pub mod expression;
 pub mod figures;
-pub mod keys;
 mod known;
 mod plain;
 pub mod planned;

@@ -10,12 +10,16 @@ pub fn plain(message: &str) -> String {
     {
         return format!("{} stands where {} is expected", value(found), wanted(expected));
     }
-    for (head, what) in [("unknown variant ", "value"), ("unknown field ", "key")] {
-        let parts = message.strip_prefix(head).and_then(|rest| rest.split_once(", expected "));
-        if let Some((name, rest)) = parts {
-            let (name, known) = (name.trim_matches('`'), names(rest));
-            let hint = hint(name, known.iter().copied());
-            let known = known.join(", ");
+    for (head, between, what) in [
+        ("unknown variant ", ", expected ", "value"),
+        ("unknown field ", ", expected ", "key"),
+        ("unexpected keys in table: ", ", available keys: ", "key"),
+    ] {
+        let parts = message.strip_prefix(head).and_then(|rest| rest.split_once(between));
+        if let Some((name, known)) = parts {
+            let (name, known) = (name.replace('`', ""), known.replace('`', ""));
+            let known = known.trim_start_matches("one of ").replace(" or ", ", ");
+            let hint = hint(&name, known.split(", "));
             return format!("there is no {what} '{name}' here{hint}; there are: {known}");
         }
     }
@@ -23,10 +27,6 @@ pub fn plain(message: &str) -> String {
         return format!("the key '{}' is missing", name.trim_matches('`'));
     }
     message.to_string()
-}
-
-fn names(list: &str) -> Vec<&str> {
-    list.split('`').skip(1).step_by(2).collect()
 }
 
 fn value(found: &str) -> String {

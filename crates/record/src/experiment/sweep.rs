@@ -6,7 +6,7 @@ pub type Params = BTreeMap<String, Vec<toml::Value>>;
 
 /// A generator with its parameters; each may be a list of values to sweep over.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 pub struct SceneSweep {
     /// The generator. `hard` without a `case` means all cases.
     pub name: String,
@@ -16,6 +16,8 @@ pub struct SceneSweep {
     pub seed: Vec<u64>,
     pub order: Vec<String>,
     pub quick: Quick,
+    /// All other keys are parameters of the generator.
+    #[serde(flatten)]
     pub params: Params,
     #[serde(skip)]
     pub line: usize,
@@ -37,12 +39,13 @@ impl Default for SceneSweep {
 }
 
 #[derive(Clone, Debug, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 pub struct Quick {
     pub dim: Option<Vec<u32>>,
     pub n: Option<Vec<u64>>,
     pub seed: Option<Vec<u64>>,
     pub order: Option<Vec<String>>,
+    #[serde(flatten)]
     pub params: Params,
 }
 

@@ -1,9 +1,10 @@
 //! Compares docs/EXPERIMENTS.md with the types: keys, defaults, required keys, and examples.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::*;
-use contactbench_record::experiment::{Claim, ClaimKind, Figure, Quick, SceneSweep, keys};
+use contactbench_record::experiment::figures::KINDS;
+use contactbench_record::experiment::{Claim, ClaimKind, Figure};
 
 const PAGE: &str = include_str!("../../../../docs/EXPERIMENTS.md");
 const SCENE: &str = "\n[[scene]]\nname = \"packed\"\nn = 10\n";
@@ -45,41 +46,54 @@ fn parse(text: &str) -> anyhow::Result<Experiment> {
     super::parse(text, Path::new("."))
 }
 
-fn sections() -> Vec<(&'static str, Vec<&'static str>)> {
-    let without = |names: &[&'static str]| -> Vec<&'static str> {
-        names.iter().copied().filter(|name| *name != "params").collect()
-    };
+/// Returns the names that serde lists when it refuses the name `?` in this text.
+fn names<T: serde::de::DeserializeOwned>(text: &str) -> Vec<String> {
+    let error = toml::from_str::<T>(text).err().expect("the name is unknown");
+    let (known, message) = (["available keys: ", "expected "], error.message().replace('`', ""));
+    let list = known.iter().find_map(|head| Some(message.split_once(head)?.1.to_string()));
+    let list = list.expect("names are listed").replace("one of ", "").replace(" or ", ", ");
+    list.lines().next().unwrap_or_default().split(", ").map(String::from).collect()
+}
+
+fn kinds<T: serde::de::DeserializeOwned>() -> Vec<String> {
+    names::<BTreeMap<String, T>>("kind = \"?\"")
+}
+
+/// Returns the heading of each section, and the keys of its type.
+fn sections() -> Vec<(String, Vec<String>)> {
+    let sweep = ["name", "dim", "n", "seed", "order", "quick"];
     let mut sections = vec![
-        ("## Top level".to_string(), without(keys::fields::<Experiment>())),
-        ("## Scenes".to_string(), without(keys::fields::<SceneSweep>())),
-        ("### Quick runs".to_string(), without(keys::fields::<Quick>())),
-        ("## Runners".to_string(), without(keys::fields::<ExternalRunner>())),
-        ("## Claims".to_string(), without(keys::fields::<Claim>())),
-        ("## Figures".to_string(), without(keys::fields::<Figure>())),
+        ("## Top level".to_string(), names::<Experiment>("'?' = 1")),
+        ("## Scenes".to_string(), sweep.map(String::from).into()),
+        ("### Quick runs".to_string(), sweep[1..5].iter().map(|name| name.to_string()).collect()),
+        ("## Runners".to_string(), names::<ExternalRunner>("'?' = 1")),
+        ("## Claims".to_string(), names::<Claim>("'?' = 1")),
+        ("## Figures".to_string(), names::<Figure>("'?' = 1")),
     ];
-    for kind in keys::fields::<ClaimKind>() {
-        let takes = keys::variant_fields::<ClaimKind>(kind);
-        sections.push((format!("### Claim: `{kind}`"), takes.to_vec()));
+    for kind in kinds::<ClaimKind>() {
+        let keys = names::<BTreeMap<String, ClaimKind>>(&format!("x.{kind}.'?' = 1"));
+        sections.push((format!("### Claim: `{kind}`"), keys));
     }
-    for kind in keys::fields::<FigureKind>() {
-        let takes = keys::variant_fields::<FigureKind>(kind);
-        sections.push((format!("### Figure: `{kind}`"), takes.to_vec()));
+    for kind in kinds::<FigureKind>() {
+        let keys = names::<BTreeMap<String, FigureKind>>(&format!("x.{kind}.'?' = 1"));
+        sections.push((format!("### Figure: `{kind}`"), keys));
     }
-    sections.into_iter().map(|(heading, keys)| (&*heading.leak(), keys)).collect()
+    sections
 }
 
 #[test]
 fn every_key_is_on_the_page_and_no_other() {
     let sections = sections();
     for (heading, keys) in &sections {
-        let known: BTreeSet<&str> = keys.iter().copied().collect();
+        let known: BTreeSet<&str> = keys.iter().map(String::as_str).collect();
         let listed: Vec<&str> = rows(section(heading)).into_iter().map(|(key, _)| key).collect();
         assert_eq!(listed.iter().copied().collect::<BTreeSet<_>>(), known, "{heading}");
         assert_eq!(listed.len(), known.len(), "{heading}: a key is listed twice");
     }
-    let kinds = |what: &str| PAGE.matches(&format!("\n### {what}: `")).count();
-    assert_eq!(kinds("Claim"), keys::fields::<ClaimKind>().len());
-    assert_eq!(kinds("Figure"), keys::fields::<FigureKind>().len());
+    let headings = |what: &str| PAGE.matches(&format!("\n### {what}: `")).count();
+    assert_eq!(headings("Claim"), kinds::<ClaimKind>().len());
+    assert_eq!(headings("Figure"), kinds::<FigureKind>().len());
+    assert_eq!(kinds::<FigureKind>(), KINDS);
     let groups: BTreeSet<&str> = detectors::groups().collect();
     let listed = rows(section("### Detectors and groups"));
     assert_eq!(listed.into_iter().map(|(group, _)| group).collect::<BTreeSet<_>>(), groups);

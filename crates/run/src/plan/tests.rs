@@ -38,16 +38,15 @@ fn errors_are_one_line_with_a_place() {
 blocks = 3 4 => line 6, column 10 =>
 [[scene]; name = 1 => line 6, =>
 block = 3; scene = [] => line 6, column 1
-    => there is no key 'block' (did you mean blocks?); there are: name
+    => there is no key 'block' here (did you mean blocks?); there are: name
 blocks = "three"; scene = [] => line 6, column 10
     => the text "three" stands where a whole number of at least 0 is expected
 title = "u"; scene = [] => line 6, column 1 => duplicate key
 arithmetics = ["exacd"]; scene = [] => line 6, column 16
     => no value 'exacd' here (did you mean exact?)
-[scene]; name = "packed" => line 6, column 2 => write [[scene]]
 detector = ["nbs"] => line 6, column 1 => did you mean detectors?
 threads = 0; scene = [] => line 6, column 1 => threads = 0
-scene = 3 => line 6, column 9 => 3 stands where a list in brackets
+scene = 3 => line 6, column 9 => 3 stands where a table
 scene = [3] => line 6, column 10 => 3 stands where a table
 scene = []; ratios-to = "sorting" => line 7, column 1 => must be one of
 [[scene]]; n = 5 => line 6: there is no scene '' =>
@@ -85,14 +84,13 @@ n = [5, 5] => line 6: scene packed stands there twice =>
 fn claims_and_figures_take_the_keys_of_their_kind() {
     let claims = r#"
 kind = "at-most"; value = "n"; to = "1"; within = 0.1 => line 12, column 1
-    => a claim of kind at-most has no key 'within'; it takes value,
-    to, than, and like every claim name, kind, where, set, source
+    => there is no key 'within' here; there are: value, to, than
 kind = "constant"; value = "n"; withn = 1 => line 11, column 1
-    => has no key 'withn' (did you mean within?)
-kind = "faster"; value = "n" => line 10, column 1 => it takes than, by, and
+    => there is no key 'withn' here (did you mean within?)
+kind = "faster"; value = "n" => line 10, column 1 => no key 'value' here; there are: than, by
 kind = "constnt" => line 9, column 8
-    => no such kind of claim (did you mean constant?); the kinds are: constant, equal
-value = "n" => line 7, column 1 => the claim has no kind; the kinds are: constant,
+    => there is no value 'constnt' here (did you mean constant?); there are: constant, equal
+value = "n" => line 7, column 1 => the key 'kind' is missing
 kind = "equal"; value = "n" => line 9, column 8 => the key 'to' is missing
 kind = "equal"; value = "n"; to = "n / / 2" => line 11, column 6
     => cannot read the expression 'n / / 2': at column 5,
@@ -105,11 +103,11 @@ kind = "model"; value = "time_ns"; model = "N" => line 10, column 9 => fitted to
 "#;
     all_refused("scene = []\n[[claim]]\nname = \"c\"\n", claims);
     let figures = r#"
-kind = "speed-error"; x = "n" => line 11, column 1 => a figure of kind speed-error has no key 'x'
-LINES; against = "given" => line 14, column 1 => a figure of kind lines has no key 'against'
+kind = "speed-error"; x = "n" => line 11, column 1 => there is no key 'x' here; there are: against, columns
+LINES; against = "given" => line 14, column 1 => there is no key 'against' here
 kind = "speed-error"; against = "all" => line 11, column 11
     => no value 'all' here; there are: given, stored
-kind = "pie" => line 10, column 8 => the kinds are: lines, bars, speed-error
+kind = "pie" => line 10, column 8 => there are: lines, bars, speed-error
 x = "n" => line 7, column 1 => the key 'x-label' is missing
 LINES; caches = true => line 7, column 1 => the figure f has caches = true
 LINES; slopes = true => line 7, column 1 => the figure f has slopes = true
