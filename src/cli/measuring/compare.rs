@@ -8,8 +8,7 @@ use crate::cli::shared::ci::{Case, Outcome, Outputs};
 use crate::cli::shared::terminal;
 use contactbench_record::findings::compare::comparison::{Comparison, Terms};
 use contactbench_record::findings::compare::{Compared, Judgement};
-use contactbench_report::sections::compare as words;
-use contactbench_report::sections::compare::page::Page;
+use contactbench_report::sections::compare::{self as words, Page};
 
 #[derive(clap::Args)]
 pub struct Compare {

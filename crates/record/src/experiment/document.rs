@@ -47,10 +47,7 @@ impl<'a> Document<'a> {
         Ok(parsed)
     }
 
-    fn parse(
-        text: &'a str,
-        is_copy: bool,
-    ) -> Result<(Experiment, Document<'a>), toml::de::Error> {
+    fn parse(text: &'a str, is_copy: bool) -> Result<(Experiment, Document<'a>), toml::de::Error> {
         let mut table = DeTable::parse(text)?;
         let root = table.get_mut();
         let keys = root.keys().map(|key| (key.get_ref().to_string(), key.span())).collect();

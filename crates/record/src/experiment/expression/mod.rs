@@ -4,8 +4,7 @@
 //! sign, then `*` and `/`, then `+` and `-`: `-n^2` is -(n²), `2^-1` is 1/2. An identifier is a
 //! variable.
 //!
-//! A precedence-climbing (Pratt) parser translates the expression to postfix order, which is
-//! evaluated on a stack.
+//! A precedence-climbing (Pratt) parser evaluates the expression while it reads the text.
 
 use std::fmt;
 
@@ -18,21 +17,12 @@ const DEEPEST: u32 = 64;
 
 type Binary = fn(f64, f64) -> f64;
 
-#[derive(Clone, Copy, Debug)]
-enum Step {
-    Number(f64),
-    Variable(usize),
-    Negate,
-    Binary(Binary),
-}
-
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "toml::Value")]
 pub struct Expression {
     text: String,
     /// Each variable, and the column where it first occurs.
     variables: Vec<(String, usize)>,
-    steps: Vec<Step>,
 }
 
 impl TryFrom<toml::Value> for Expression {
@@ -58,16 +48,14 @@ impl fmt::Display for Expression {
 impl Expression {
     /// Parses an expression; names of variables are not checked.
     pub fn parse(text: &str) -> Result<Expression, String> {
-        let expression = Expression { text: text.into(), variables: Vec::new(), steps: Vec::new() };
-        let mut parser = Parser { rest: text.chars().collect(), at: 0, depth: 0, expression };
-        let parsed = parser.operand(0).and_then(|()| match parser.peek() {
-            None => Ok(()),
-            Some(_) => Err(format!("an operator is expected, not {}", parser.found())),
-        });
-        let column = parser.at + 1;
-        parsed.map(|()| parser.expression).map_err(|problem| {
-            format!("cannot read the expression '{text}': at column {column}, {problem}")
-        })
+        let mut variables: Vec<(String, usize)> = Vec::new();
+        read(text, &mut |name, column| {
+            if variables.iter().all(|(known, _)| known != name) {
+                variables.push((name.into(), column));
+            }
+            0.0
+        })?;
+        Ok(Expression { text: text.into(), variables })
     }
 
     pub fn variables(&self) -> impl Iterator<Item = (&str, usize)> {
@@ -81,30 +69,33 @@ impl Expression {
     }
 
     pub fn evaluate(&self, value: impl Fn(&str) -> Option<f64>) -> Option<f64> {
-        let values: Option<Vec<f64>> = self.variables().map(|(name, _)| value(name)).collect();
-        let values = values?;
-        let mut stack: Vec<f64> = Vec::new();
-        for step in &self.steps {
-            let result = match *step {
-                Step::Number(number) => number,
-                Step::Variable(k) => values[k],
-                Step::Negate => -stack.pop()?,
-                Step::Binary(function) => {
-                    let right = stack.pop()?;
-                    function(stack.pop()?, right)
-                }
-            };
-            stack.push(result);
-        }
-        stack.pop()
+        let mut known = true;
+        let found = read(&self.text, &mut |name, _| {
+            let value = value(name);
+            known &= value.is_some();
+            value.unwrap_or(0.0)
+        });
+        found.ok().filter(|_| known)
     }
 }
 
-struct Parser {
+/// Returns the value of an expression. `value` returns that of a variable, from its name and column.
+fn read(text: &str, value: &mut dyn FnMut(&str, usize) -> f64) -> Result<f64, String> {
+    let mut parser = Parser { rest: text.chars().collect(), at: 0, depth: 0, value };
+    let found = parser.operand(0).and_then(|found| match parser.peek() {
+        None => Ok(found),
+        Some(_) => Err(format!("an operator is expected, not {}", parser.found())),
+    });
+    found.map_err(|problem| {
+        format!("cannot read the expression '{text}': at column {}, {problem}", parser.at + 1)
+    })
+}
+
+struct Parser<'a> {
     rest: Vec<char>,
     at: usize,
     depth: u32,
-    expression: Expression,
+    value: &'a mut dyn FnMut(&str, usize) -> f64,
 }
 
 /// Binding strength of the minus sign, between `*` and `^`.
@@ -121,47 +112,45 @@ fn operator(sign: char) -> Option<(u8, u8, Binary)> {
     })
 }
 
-impl Parser {
-    /// Parses an operand and the operators after it that bind at least as tightly as `least`.
-    fn operand(&mut self, least: u8) -> Result<(), String> {
+impl Parser<'_> {
+    /// Evaluates an operand and the operators after it that bind at least as tightly as `least`.
+    fn operand(&mut self, least: u8) -> Result<f64, String> {
         self.depth += 1;
         if self.depth > DEEPEST {
             return Err(format!("it is nested more than {DEEPEST} levels deep"));
         }
-        self.first()?;
+        let mut value = self.first()?;
         while let Some((left, right, function)) = self.peek().and_then(operator) {
             if left < least {
                 break;
             }
             self.at += 1;
-            self.operand(right)?;
-            self.expression.steps.push(Step::Binary(function));
+            value = function(value, self.operand(right)?);
         }
         self.depth -= 1;
-        Ok(())
+        Ok(value)
     }
 
-    fn first(&mut self) -> Result<(), String> {
+    fn first(&mut self) -> Result<f64, String> {
         match self.peek() {
             Some('-') => {
                 self.at += 1;
-                self.operand(SIGN)?;
-                self.expression.steps.push(Step::Negate);
-                Ok(())
+                Ok(-self.operand(SIGN)?)
             }
             Some('(') => {
                 self.at += 1;
-                self.operand(0)?;
+                let value = self.operand(0)?;
                 if self.peek() != Some(')') {
                     return Err(format!("an operator or ')' is expected, not {}", self.found()));
                 }
                 self.at += 1;
-                Ok(())
+                Ok(value)
             }
             Some('0'..='9' | '.') => self.number(),
             Some(c) if c.is_alphabetic() || c == '_' => {
-                self.variable();
-                Ok(())
+                let column = self.at + 1;
+                let name = self.take(|all, k| all[k].is_alphanumeric() || all[k] == '_');
+                Ok((self.value)(&name, column))
             }
             _ => Err(format!("a number, a variable or '(' is expected, not {}", self.found())),
         }
@@ -176,7 +165,7 @@ impl Parser {
         self.rest[start..self.at].iter().collect()
     }
 
-    fn number(&mut self) -> Result<(), String> {
+    fn number(&mut self) -> Result<f64, String> {
         let start = self.at;
         let text = self.take(|all, k| {
             let digit = |k: usize| all.get(k).is_some_and(char::is_ascii_digit);
@@ -189,24 +178,10 @@ impl Parser {
                 c => c.is_ascii_digit() || c == '.',
             }
         });
-        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-        if number.is_none() {
+        text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
             self.at = start;
-        }
-        let number = number.ok_or_else(|| format!("'{text}' is not a finite number"))?;
-        self.expression.steps.push(Step::Number(number));
-        Ok(())
-    }
-
-    fn variable(&mut self) {
-        let column = self.at + 1;
-        let name = self.take(|all, k| all[k].is_alphanumeric() || all[k] == '_');
-        let variables = &mut self.expression.variables;
-        let k = variables.iter().position(|(known, _)| *known == name).unwrap_or_else(|| {
-            variables.push((name, column));
-            variables.len() - 1
-        });
-        self.expression.steps.push(Step::Variable(k));
+            format!("'{text}' is not a finite number")
+        })
     }
 
     fn peek(&mut self) -> Option<char> {

@@ -53,15 +53,18 @@ impl Comparison {
             }
             part.warnings.iter().for_each(|warning| note(warning));
         }
-        let (how, cells) = match &*parts {
+        let (how, [a, b]) = match &*parts {
             [both] => builds(both, terms)?,
             [a, b] => folders_apart([a, b], terms)?,
             _ => bail!("compare takes one folder or two"),
         };
-        let summary = Summary::new(&cells);
+        let (cells, summary) = cell_by_cell(&a, &b, &how);
+        let folders = parts.iter().map(|part| part.folder.display().to_string());
         ensure!(
             summary.absent < summary.cells,
-            "nothing to compare: each of the {} cells has results on one side only",
+            "nothing to compare in {}: each of the {} cells has results on one side only; name \
+             results of the same experiment",
+            folders.collect::<Vec<_>>().join(" and "),
             cells.len()
         );
         Ok(Comparison { parts, how, cells, summary })
@@ -84,21 +87,20 @@ pub fn by_build(rows: &[Row]) -> [Vec<Row>; 2] {
     [base, this]
 }
 
-fn builds(part: &Part, terms: &Terms) -> anyhow::Result<(How, Vec<Compared>)> {
-    let [base, this] = by_build(&part.rows);
+fn builds(part: &Part, terms: &Terms) -> anyhow::Result<(How, [Vec<Row>; 2])> {
+    let both = by_build(&part.rows);
     ensure!(
-        !base.is_empty(),
+        !both[0].is_empty(),
         "the record in {} has one build; name a second folder, or time another build with \
          contactbench run --against PROGRAM",
         part.folder.display()
     );
     let floors = floors(&cells(&part.rows));
     let how = How { band: terms.band / 100.0, side_by_side: Some(floors), ..How::default() };
-    let cells = cell_by_cell(&base, &this, &how);
-    Ok((how, cells))
+    Ok((how, both))
 }
 
-fn folders_apart(both: [&Part; 2], terms: &Terms) -> anyhow::Result<(How, Vec<Compared>)> {
+fn folders_apart(both: [&Part; 2], terms: &Terms) -> anyhow::Result<(How, [Vec<Row>; 2])> {
     let [a, b] = records::common(both)?;
     let how = How {
         band: terms.band / 100.0,
@@ -108,12 +110,5 @@ fn folders_apart(both: [&Part; 2], terms: &Terms) -> anyhow::Result<(How, Vec<Co
         across: terms.across_machines,
         builds: records::two_builds(both),
     };
-    let cells = cell_by_cell(&a, &b, &how);
-    ensure!(
-        cells.iter().any(|cell| cell.in_both),
-        "{} and {} have no cell in common; name results of the same experiment",
-        both[0].folder.display(),
-        both[1].folder.display()
-    );
-    Ok((how, cells))
+    Ok((how, [a, b]))
 }

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub use summary::Summary;
 use timing::timing;
-pub use timing::{Judgement, Note, PLACEMENT, Timing};
+pub use timing::{Judgement, PLACEMENT, Timing};
 pub use twins::{SEEN, pooled};
 
 use crate::cells::label::{place, swept};
@@ -37,7 +37,15 @@ pub struct Options {
     pub builds: Option<[String; 2]>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+impl Options {
+    /// Whether times of separate runs are judged.
+    fn judges(&self) -> bool {
+        let same = self.builds.is_none() && (self.machines.is_none() || self.across);
+        same && self.against.is_some()
+    }
+}
+
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Against {
     pub detector: String,
     /// In nine of ten cells, the times of this detector in the two records differ by at most this
@@ -58,16 +66,18 @@ pub struct Change {
     pub b: String,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize)]
 pub struct Compared {
     /// Everything that distinguishes the cell from others, such as `nbs, packed, 3D, n = 1000`.
+    #[serde(rename = "cell")]
     pub place: String,
+    #[serde(rename = "key")]
     pub id: CellId,
     pub changes: Vec<Change>,
     pub absent: Option<String>,
-    pub in_both: bool,
     /// Values that only one record has because a run was interrupted, one line each.
     pub lacks: Vec<String>,
+    #[serde(rename = "time")]
     pub timing: Option<Timing>,
 }
 
@@ -141,7 +151,7 @@ impl Record {
 
 /// Compares two records of the same machines. Cells are in the order of keys, including cells of
 /// one record only.
-pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
+pub fn compare(a: &[Row], b: &[Row], options: &Options) -> (Vec<Compared>, Summary) {
     let (a, b) = (Record::new(a), Record::new(b));
     let keys: BTreeSet<&CellId> = a.cells.keys().chain(b.cells.keys()).collect();
     let fields = fields(&a, &b);
@@ -151,7 +161,6 @@ pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
             id: key.clone(),
             changes: Vec::new(),
             absent: None,
-            in_both: a.cells.contains_key(key) && b.cells.contains_key(key),
             lacks: Vec::new(),
             timing: None,
         };
@@ -165,10 +174,12 @@ pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
         cell
     };
     let mut found = keys.into_iter().map(compared).collect::<Vec<_>>();
-    if options.side_by_side.is_none() {
-        twins::void(&mut found, &b);
-    }
-    found
+    let moved = match options.side_by_side {
+        None => twins::void(&mut found, &b),
+        Some(_) => None,
+    };
+    let summary = Summary::new(&found, moved);
+    (found, summary)
 }
 
 fn fill(

@@ -39,29 +39,16 @@ pub fn common(parts: [&Part; 2]) -> anyhow::Result<[Vec<Row>; 2]> {
     Ok(parts.map(kept))
 }
 
+/// Returns the first two machines that differ, of the only machine of each record or of machines of
+/// equal name. Names are those of the machines, to which a merged record may add a label.
 pub fn two_machines(parts: [&Part; 2]) -> Option<[Machine; 2]> {
-    // A merged record may add a label to the machine's own name.
-    let named = |(name, machine): (String, Machine)| Machine { name, ..machine };
-    together(parts).into_iter().find(|[a, b]| !a.1.may_be(&b.1)).map(|both| both.map(named))
-}
-
-/// Whether two machines are taken for one although only one record states their cache sizes.
-pub fn caches_of_one(parts: [&Part; 2]) -> bool {
-    let unknown = |machine: &Machine| machine.hardware.caches.is_empty();
-    together(parts).iter().any(|[a, b]| a.1.may_be(&b.1) && unknown(&a.1) != unknown(&b.1))
-}
-
-/// Returns the machines to compare, with their names in the rows: the only machine of each record,
-/// or machines of equal name.
-fn together(parts: [&Part; 2]) -> Vec<[(String, Machine); 2]> {
     let names = parts.map(machines);
-    let both = |a: &String, b: &String| {
-        [(a.clone(), parts[0].machine(a)), (b.clone(), parts[1].machine(b))]
+    let pairs: Vec<[&String; 2]> = match names.each_ref().map(|it| (it.len(), it.first())) {
+        [(1, Some(a)), (1, Some(b))] => vec![[a, b]],
+        _ => names[0].intersection(&names[1]).map(|name| [name, name]).collect(),
     };
-    match names.each_ref().map(|names| (names.len(), names.first())) {
-        [(1, Some(a)), (1, Some(b))] => vec![both(a, b)],
-        _ => names[0].intersection(&names[1]).map(|name| both(name, name)).collect(),
-    }
+    let both = pairs.into_iter().map(|[a, b]| [parts[0].machine(a), parts[1].machine(b)]);
+    both.into_iter().find(|[a, b]| !a.may_be(b))
 }
 
 pub fn two_builds(parts: [&Part; 2]) -> Option<[String; 2]> {

@@ -2,15 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use super::{Compared, Judgement, Note, SEEN, Timing};
+use super::{Compared, Judgement, SEEN, Timing};
 use crate::stats::interval::{at_least, median};
 
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Summary {
     pub cells: usize,
     pub changed: usize,
     pub absent: usize,
     pub lacking: usize,
+    #[serde(rename = "times")]
     pub judged: BTreeMap<Judgement, usize>,
     /// Upper limit for the number of slower cells expected by chance, for equal code.
     pub by_chance: f64,
@@ -22,17 +23,13 @@ pub struct Summary {
 }
 
 impl Summary {
-    pub fn new(cells: &[Compared]) -> Summary {
+    pub(super) fn new(cells: &[Compared], moved: Option<(String, f64)>) -> Summary {
         let count = |wanted: fn(&&Compared) -> bool| cells.iter().filter(wanted).count();
         let mut judged = BTreeMap::new();
         for timing in cells.iter().filter_map(|cell| cell.timing.as_ref()) {
             *judged.entry(timing.judgement).or_default() += 1;
         }
         let timings = cells.iter().filter_map(|cell| cell.timing.as_ref());
-        let moved = timings.clone().find_map(|timing| match &timing.note {
-            Some(Note::Twin(name, factor)) => Some((name.clone(), *factor)),
-            _ => None,
-        });
         let timings: Vec<&Timing> = timings.filter(|timing| timing.is_decidable()).collect();
         let least: Vec<f64> = timings.iter().map(|timing| timing.least).collect();
         Summary {

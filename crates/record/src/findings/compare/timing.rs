@@ -1,6 +1,6 @@
 //! The times of a cell in two records, and the verdict on them.
 
-use super::{Against, Options, Record};
+use super::{Options, Record};
 use crate::cells::Cell;
 use crate::stats::interval::{Blocks, COVERAGE, Interval, median};
 use crate::stats::unpaired;
@@ -21,7 +21,7 @@ contactbench_terms::named! {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize)]
 pub struct Timing {
     pub a_ns: f64,
     pub b_ns: f64,
@@ -30,22 +30,12 @@ pub struct Timing {
     pub multiples: Option<[f64; 2]>,
     /// Time in B over time in A; with a reference, the ratio of the quotients in `multiples`.
     pub ratio: Interval,
+    #[serde(rename = "verdict")]
     pub judgement: Judgement,
-    pub note: Option<Note>,
+    /// Why this cell is undecided or not judged, if the reason is not that of all cells.
+    pub note: String,
     /// A slowdown by this factor would nearly always have been detected.
     pub least: f64,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub enum Note {
-    Builds,
-    Machines,
-    Reference,
-    NoReference(String),
-    FewBlocks(usize, usize),
-    NoControl,
-    /// A twin became slower or faster by this factor, although it is equal code.
-    Twin(String, f64),
 }
 
 /// Lowest noise floor between two builds. Equal sources, built twice, differed by up to this factor
@@ -69,45 +59,39 @@ pub(super) fn timing(
     options: &Options,
 ) -> Option<Timing> {
     let (a_ns, b_ns) = (in_a.time()?.median, in_b.time()?.median);
+    let (mut multiples, mut doubt) = (None, None);
+    let (ratio, floor, beyond);
     if let Some(floors) = &options.side_by_side {
-        let ratio = in_b.ratio(in_a)?;
-        let noise = floors.get(&in_a.id.experiment)?;
-        let n = in_a.id.n;
-        let beyond = ratio.median.ln().abs() > PLACEMENT.ln() && noise.decides(&ratio, n);
-        let judgement = judge(&ratio, options.band, beyond);
-        let few = Note::FewBlocks(in_a.times.len(), in_b.times.len());
-        let note = (ratio.coverage < COVERAGE).then_some(few);
-        let least = least(&ratio, noise.floor_at(n).max(PLACEMENT));
-        let multiples = None;
-        return Some(Timing { a_ns, b_ns, multiples, ratio, judgement, note, least });
-    }
-    let plain = |cell: &Cell| cell.times.values().map(|&t| t as f64).collect::<Vec<_>>();
-    let mut times = (plain(in_a), plain(in_b));
-    let mut multiples = None;
-    let doubt = match &options.against {
-        Some(Against { detector, .. }) if *detector == in_a.id.subject() => Some(Note::Reference),
-        Some(Against { detector: name, .. }) => {
+        let (noise, n) = (floors.get(&in_a.id.experiment)?, in_a.id.n);
+        ratio = in_b.ratio(in_a)?;
+        floor = noise.floor_at(n).max(PLACEMENT);
+        beyond = ratio.median.ln().abs() > PLACEMENT.ln() && noise.decides(&ratio, n);
+    } else {
+        let plain = |cell: &Cell| cell.times.values().map(|&t| t as f64).collect::<Vec<_>>();
+        let mut times = [plain(in_a), plain(in_b)];
+        doubt = (!options.judges()).then(String::new);
+        let against = options.against.as_ref();
+        if let Some(name) = against.map(|control| &control.detector) {
             match (a.reference(&in_a.id, name), b.reference(&in_b.id, name)) {
+                _ if *name == in_a.id.subject() => doubt = Some("it is the reference".into()),
                 (Some(to_a), Some(to_b)) if to_a.id == to_b.id => {
                     times =
-                        (quotients(&in_a.times, &to_a.times), quotients(&in_b.times, &to_b.times));
-                    multiples = Some([median(&times.0)?, median(&times.1)?]);
-                    options.machines.as_ref().filter(|_| !options.across).map(|_| Note::Machines)
+                        [quotients(&in_a.times, &to_a.times), quotients(&in_b.times, &to_b.times)];
+                    multiples = Some([median(&times[0])?, median(&times[1])?]);
                 }
-                _ => Some(Note::NoReference(name.clone())),
+                _ => doubt = Some(format!("{name} has no times on this scene in both")),
             }
         }
-        None => Some(options.machines.as_ref().map_or(Note::NoControl, |_| Note::Machines)),
+        ratio = unpaired::ratio(&times[0], &times[1])?;
+        floor = against.and_then(|control| control.drift).unwrap_or(1.0);
+        beyond = ratio.excludes(1.0) && ratio.median.ln().abs() > floor.ln();
+    }
+    let judgement = match doubt {
+        Some(_) => Judgement::NotJudged,
+        None => judge(&ratio, options.band, beyond),
     };
-    let doubt = options.builds.as_ref().map(|_| Note::Builds).or(doubt);
-    let ratio = unpaired::ratio(&times.0, &times.1)?;
-    let drift = options.against.as_ref().and_then(|control| control.drift).unwrap_or(1.0);
-    let beyond = ratio.excludes(1.0) && ratio.median.ln().abs() > drift.ln();
-    let judgement =
-        if doubt.is_some() { Judgement::NotJudged } else { judge(&ratio, options.band, beyond) };
-    let few = Note::FewBlocks(times.0.len(), times.1.len());
-    let note = doubt.or((ratio.coverage < COVERAGE).then_some(few));
-    let least = least(&ratio, drift);
+    let few = (ratio.coverage < COVERAGE).then(|| format!("too few blocks: {}", ratio.count));
+    let (note, least) = (doubt.or(few).unwrap_or_default(), least(&ratio, floor));
     Some(Timing { a_ns, b_ns, multiples, ratio, judgement, note, least })
 }
 

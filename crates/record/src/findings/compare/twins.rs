@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Compared, Judgement, Note, Record};
+use super::{Compared, Judgement, Record};
 use crate::stats::interval::{Interval, at_least, interval};
 
 /// If a twin moved by more than this factor, no verdict is given, because a comparison must be able
@@ -13,8 +13,9 @@ pub const SEEN: f64 = 1.25;
 const LUCK: f64 = 0.25;
 
 /// Voids verdicts if a twin, which is equal code, is slower or faster. If it moved far, or in more
-/// cells than chance explains, all verdicts are void, otherwise those of its scene.
-pub(super) fn void(found: &mut [Compared], record: &Record) {
+/// cells than chance explains, all verdicts are void, otherwise those of its scene. Returns the twin
+/// that moved most, and its factor.
+pub(super) fn void(found: &mut [Compared], record: &Record) -> Option<(String, f64)> {
     use Judgement::{Faster, Slower};
     let twins = |cell: &&Compared| {
         let known = record.cells.get(&cell.id);
@@ -31,17 +32,17 @@ pub(super) fn void(found: &mut [Compared], record: &Record) {
         })
         .collect();
     let moved: Vec<_> = timed.iter().filter(|(_, factor, _)| *factor > 1.0).collect();
-    let Some((worst, most, _)) = moved.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+    let (worst, most, _) = moved.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let worst = (worst.id.subject(), *most);
     let by_chance = timed.iter().map(|(.., share)| share).sum::<f64>() / timed.len() as f64;
     let all = *most > SEEN || at_least(moved.len(), timed.len(), by_chance) <= LUCK;
-    let note = Note::Twin(worst.id.subject(), *most);
     let scenes: Vec<_> = moved.iter().map(|(cell, ..)| cell.id.scene_id()).collect();
     for cell in found.iter_mut().filter(|cell| all || scenes.contains(&cell.id.scene_id())) {
         if let Some(timing) = cell.timing.as_mut().filter(|timing| timing.is_decidable()) {
             timing.judgement = Judgement::NotJudged;
-            timing.note = Some(note.clone());
         }
     }
+    Some(worst)
 }
 
 pub fn pooled(cells: &[Compared]) -> Vec<(String, Interval)> {
