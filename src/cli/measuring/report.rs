@@ -17,7 +17,7 @@ use contactbench_record::record::merge::Part;
 use contactbench_record::record::row::{Outcome, Record};
 use contactbench_report::sections::claims::evidence;
 use contactbench_report::sections::trust::failures;
-use contactbench_report::{document, report, research_object};
+use contactbench_report::{document, report};
 use contactbench_run::plan;
 
 #[derive(clap::Args)]
@@ -64,15 +64,6 @@ pub(super) fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     }
     let Part { rows, warnings, bytes, .. } = part;
     Ok((Record { rows, warnings, bytes }, experiments))
-}
-
-/// Writes the report of a record that may still grow, and returns its page.
-pub(super) fn write_quietly(folder: &Path) -> anyhow::Result<PathBuf> {
-    let (record, experiments) = read(folder)?;
-    let page = report::write(folder, &experiments, &record.rows, &record.warnings)?.page;
-    // Its checksums would be wrong after the next row.
-    std::fs::remove_file(folder.join(research_object::FILE))?;
-    Ok(page)
 }
 
 pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use crate::cli::measuring::report::{self, finish};
+use crate::cli::measuring::report::finish;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::progress::Terminal;
 use crate::cli::shared::terminal;
@@ -80,12 +80,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     };
     let asked = Asked { experiments, quick, resume, against, shard };
     // The progress bar is a temporary value, removed at the end of this statement.
-    let mut first = || match report::write_quietly(&folder) {
-        Ok(page) => format!("first figures: {}; the run goes on", page.display()),
-        Err(error) => format!("no first figures: {error:#}"),
-    };
-    let ended =
-        session::run(&asked, &folder, &mut Terminal::new(&mut first), &mut |it| say!("{it}"));
+    let ended = session::run(&asked, &folder, &mut Terminal::start(), &mut |it| say!("{it}"));
     let error = match ended {
         Ok(0) => {
             let mut out = terminal::out();

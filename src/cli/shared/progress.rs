@@ -71,29 +71,19 @@ impl Counted {
     }
 }
 
-/// Returns the time after which a run writes its first report: 20 seconds, or what a test sets.
-fn first() -> Duration {
-    let set = std::env::var("CONTACTBENCH_FIRST_REPORT").ok().and_then(|text| text.parse().ok());
-    Duration::from_secs(set.unwrap_or(20))
-}
-
-pub struct Terminal<'a> {
+pub struct Terminal {
     line: Line,
     started: Instant,
     /// Number of scenes that were complete at the start, and the time when this was known.
     complete: (usize, f64),
     /// Whether the table of scenes has its heads.
     headed: bool,
-    /// Whether the first report has been written.
-    reported: bool,
-    /// Writes a report of what has been measured, and returns where it is.
-    report: &'a mut dyn FnMut() -> String,
 }
 
-impl<'a> Terminal<'a> {
-    pub fn new(report: &'a mut dyn FnMut() -> String) -> Terminal<'a> {
+impl Terminal {
+    pub fn start() -> Terminal {
         let (line, started) = (Line::start(), Instant::now());
-        Terminal { line, started, complete: (0, 0.0), headed: false, reported: false, report }
+        Terminal { line, started, complete: (0, 0.0), headed: false }
     }
 }
 
@@ -102,7 +92,7 @@ fn columns([scene, first, time, second, ratio, contacts, right]: [&str; 7]) -> S
     format!("{scene:<27} {first:<12} {time:>5} {second:<12} {ratio:>5} {contacts:>8} {right:>5}")
 }
 
-impl Progress for Terminal<'_> {
+impl Progress for Terminal {
     fn scene(&mut self, done: usize, total: usize, next: &str) {
         let time = self.started.elapsed().as_secs_f64();
         if self.line.on_terminal {
@@ -138,11 +128,6 @@ impl Progress for Terminal<'_> {
             &found.contacts.map_or("–".into(), |count| count.to_string()),
             &found.right.to_string(),
         ]));
-        if !self.reported && self.started.elapsed() > first() {
-            self.reported = true;
-            let text = (self.report)();
-            self.note(&text);
-        }
     }
 
     fn note(&mut self, text: &str) {

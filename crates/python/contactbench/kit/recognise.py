@@ -138,7 +138,8 @@ def _chosen(
     call: Call, probe: System, convention: Convention, field: str, values: tuple[bool, bool]
 ) -> Convention:
     for value in values:
-        candidate = replace(convention, **{field: value})
+        change: dict[str, Any] = {field: value}
+        candidate = replace(convention, **change)
         try:
             if compare(call(probe, candidate), probe, candidate)[0] is None:
                 return candidate

@@ -19,7 +19,7 @@ use crate::cli::shared::{terminal, values};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
 use contactbench_io::Given;
-use contactbench_run::check::{self, Limits, Report, Verdict, Wrong, subject};
+use contactbench_run::check::{self, Limits, Report, Verdict, Wrong};
 use contactbench_run::run::machine::interrupt;
 
 #[derive(clap::Args)]
@@ -83,7 +83,6 @@ struct Checked<'a> {
 pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let started = Instant::now();
     let limits = limits(options)?;
-    quiet_panics();
     let mut out: Box<dyn Write> =
         if options.json { Box::new(std::io::sink()) } else { Box::new(terminal::out()) };
     let read = |path: &String| Ok((path.clone(), options.input.given(path)?));
@@ -214,14 +213,4 @@ fn nothing_compared(reports: &[Checked<'_>]) -> String {
         reports.iter().filter(nothing).filter_map(|checked| checked.path).collect();
     let place = if scenes.is_empty() { "".into() } else { format!(" of {}", scenes.join(", ")) };
     format!("nothing was compared{place}, because every detector refused")
-}
-
-/// Silences panics of the checked detectors, which the check reports itself.
-fn quiet_panics() {
-    let hook = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |panic| {
-        if std::thread::current().name() != Some(subject::THREAD) {
-            hook(panic);
-        }
-    }));
 }
