@@ -4,7 +4,6 @@ use contactbench_detectors::tracker;
 use contactbench_ground::scene::{AnyScene, Lattice};
 use contactbench_scenes::motion::{Frames, Motion, MotionKind};
 use contactbench_scenes::spec::Spec;
-use contactbench_terms::mix::splitmix64;
 
 const LIMIT: u64 = 1 << 26;
 
@@ -161,58 +160,4 @@ fn a_contact_that_goes_through_a_face_goes_on() {
     // ends; it begins anew when the next image arrives.
     let moved = followed(&frames, &[]).moved;
     assert!(moved.born > 1 && moved.ended > 1 && moved.displacements.longest < 0.31, "{moved:?}");
-}
-
-/// The contact is missed from the frame in which the particles meet to the frame in which it is
-/// reported; between them, they cross a face.
-#[test]
-fn a_contact_is_late_as_long_whatever_face_it_goes_through() {
-    let frames: Vec<Given> = (0..9)
-        .map(|k| {
-            let at = |x: f64| [(x + 0.5 * f64::from(k)).rem_euclid(8.0), 1.0];
-            let gap = if k == 0 { 1.5 } else { 0.75 };
-            given(vec![at(6.25), at(6.25 + gap)], 0.5, square(8.0))
-        })
-        .collect();
-    let found = followed(&frames, &["verlet(direct,skin=0,rule=every-6)"]);
-    assert_eq!([found.moved.contacts, found.moved.born, found.moved.ended], [8, 1, 0]);
-    let late = &found.trackers[0].late;
-    assert_eq!((late.missed, late.first, late.latest, late.never), (5, Some(1), 5, 0));
-    assert_eq!(late.deepest, 0.5);
-}
-
-/// Returns positions in whole sixteenths, so that nothing is rounded.
-fn sixteenths(seed: u64, n: u64, most: u64) -> Vec<[f64; 2]> {
-    let draw = |k: u64| (splitmix64(seed << 32 | k) % (2 * most + 1)) as f64 / 16.0;
-    (0..n).map(|k| [draw(2 * k), draw(2 * k + 1)].map(|x| x - most as f64 / 16.0)).collect()
-}
-
-/// A dump may wrap its particles into the box, leave them unwrapped, or use any image.
-#[test]
-fn a_wrapped_dump_and_its_twin_are_one_motion() {
-    for (seed, speed) in [(1, 3), (2, 20), (3, 40)] {
-        let (first, displacements) = (sixteenths(seed, 40, 64), sixteenths(seed + 9, 40, speed));
-        let frames = |named: &dyn Fn(usize, f64) -> f64| -> Vec<Given> {
-            let at = |k: u32, i: usize| -> [f64; 2] {
-                std::array::from_fn(|axis| {
-                    named(i + axis, first[i][axis] + f64::from(k) * displacements[i][axis])
-                })
-            };
-            (0..25).map(|k| given((0..40).map(|i| at(k, i)).collect(), 0.5, square(8.0))).collect()
-        };
-        // Between two rebuilds, displacements are below half of the box, so the list does not
-        // depend on images.
-        let tracker = ["verlet(nbs,rule=every-2)"];
-        let onwards = followed(&frames(&|_, x| x), &tracker);
-        let wrapped = followed(&frames(&|_, x| x.rem_euclid(8.0)), &tracker);
-        let anyhow = |i: usize, x: f64| x + 8.0 * ((7 * i) as f64 + x).rem_euclid(5.0).floor();
-        let anyhow = followed(&frames(&anyhow), &tracker);
-        assert!(onwards.moved.born > 5 && onwards.moved.displacements.longest > 0.1);
-        assert!(onwards.trackers[0].late.missed > 20);
-        let late = |of: &Followed| of.trackers[0].late.clone();
-        for other in [&wrapped, &anyhow] {
-            assert_eq!(other.moved, onwards.moved, "{seed}");
-            assert_eq!(late(other), late(&onwards), "{seed}");
-        }
-    }
 }

@@ -190,16 +190,11 @@ fn worst_pair(failure: &Failure, out: &mut dyn Write) -> anyhow::Result<()> {
 fn smallest_scene(failure: &Failure, path: &Path, out: &mut dyn Write) -> anyhow::Result<()> {
     let Failure { smallest, wrong, .. } = failure;
     let (n, place) = (smallest.scene.len(), path.display());
-    match wrong {
-        Some(Wrong::Hangs(_)) => {
-            writeln!(out, "  the scene, not made smaller: {n} particles: {place}")?
-        }
-        Some(wrong) => writeln!(out, "  smallest failing scene: {n} particles, {wrong}: {place}")?,
-        None => writeln!(
-            out,
-            "  wrong only after earlier scenes, which leave something in its buffers; the scene: \
-             {n} particles: {place}"
-        )?,
-    }
+    let what = match wrong {
+        Some(Wrong::Hangs(_)) => format!("the scene, not made smaller: {n} particles"),
+        Some(wrong) => format!("smallest failing scene: {n} particles, {wrong}"),
+        None => format!("wrong only after earlier scenes; the scene: {n} particles"),
+    };
+    writeln!(out, "  {what}: {place}")?;
     Ok(())
 }

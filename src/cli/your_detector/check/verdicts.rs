@@ -20,36 +20,26 @@ pub(super) fn verdicts(reports: &[Checked<'_>], broken: &[Wrong], options: &Chec
         let class = path.unwrap_or("generated").to_string();
         for arithmetic in &group.arithmetics {
             for name in group.names() {
-                let wrong = report
-                    .failures
-                    .iter()
-                    .find(|failure| failure.detector == name && failure.arithmetic == *arithmetic);
-                let why = |failure: &Failure| {
-                    let file = regression_file(failure, *path, options);
-                    format!(
-                        "on {}: {}; smallest failing scene: {}",
-                        failure.found_on,
-                        failure.found,
-                        file.display()
-                    )
+                let wrong = |any: bool| {
+                    let mut failures = report.failures.iter();
+                    failures.find(|it| it.detector == name && (any || it.arithmetic == *arithmetic))
                 };
-                let elsewhere = report.failures.iter().find(|failure| failure.detector == name);
-                let result = match (wrong, elsewhere) {
-                    (Some(failure), _) => Outcome::Failed(why(failure)),
+                let nothing = || "nothing was compared, because every scene was refused".into();
+                let result = match (wrong(false), wrong(true)) {
+                    (Some(failure), _) => {
+                        let Failure { found_on, found, .. } = failure;
+                        let file = regression_file(failure, *path, options).display().to_string();
+                        let why = format!("on {found_on}: {found}; smallest failing scene: {file}");
+                        Outcome::Failed(why)
+                    }
                     (None, Some(other)) => Outcome::Skipped(format!(
                         "not finished, because it is wrong in {}",
                         other.arithmetic.name()
                     )),
-                    (None, None) if report.has_compared(name, *arithmetic) => Outcome::Passed,
-                    // This detector refused every scene: a failure only if all other detectors did,
-                    // too.
-                    (None, None) => {
-                        let why = "nothing was compared, because every scene was refused".into();
-                        match report.verdict() {
-                            Verdict::Nothing => Outcome::Failed(why),
-                            _ => Outcome::Skipped(why),
-                        }
-                    }
+                    _ if report.has_compared(name, *arithmetic) => Outcome::Passed,
+                    // This detector refused every scene: a failure only if all others did, too.
+                    _ if report.verdict() == Verdict::Nothing => Outcome::Failed(nothing()),
+                    _ => Outcome::Skipped(nothing()),
                 };
                 cases.push(Case {
                     class: class.clone(),
