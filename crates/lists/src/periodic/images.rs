@@ -14,7 +14,8 @@ use nalgebra::Point;
 
 use super::frame::ReducedBox;
 use super::made::{Instance, Made, tag};
-use super::near::{Candidate, Near, Reach, survey};
+use super::near::{Near, Reach};
+use super::survey::{Candidate, survey};
 use contactbench_ground::contact::{Arithmetic, Corners, Slack};
 use contactbench_ground::limits::refusal::{Refusal, reserve};
 use contactbench_ground::scene::{Lattice, Radii, Scene, Storage, array};

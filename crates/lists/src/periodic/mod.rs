@@ -23,6 +23,7 @@ pub mod images;
 pub mod made;
 mod near;
 pub mod stored;
+mod survey;
 
 pub use contacts::contacts;
 pub use finder::Finder;

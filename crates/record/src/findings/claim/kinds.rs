@@ -38,16 +38,28 @@ impl Finding {
     }
 }
 
+/// A value and its 95% interval; counts and bytes have intervals of one number.
+#[derive(Clone, Copy)]
+pub(super) struct Estimate {
+    pub value: f64,
+    pub range: [f64; 2],
+}
+
 #[derive(Clone, Copy)]
 pub(super) struct Valued<'a> {
     pub cell: &'a Cell,
-    pub value: f64,
+    pub of: Estimate,
 }
 
 const NO_VALUE: &str = "no cell has a value";
 
-fn decided(holds: bool) -> Status {
-    if holds { Status::Holds } else { Status::Fails }
+/// The status of a claim that certainly holds, certainly fails, or neither.
+fn decided(holds: bool, fails: bool) -> Status {
+    match (holds, fails) {
+        (true, _) => Status::Holds,
+        (_, true) => Status::Fails,
+        _ => Status::NotShown,
+    }
 }
 
 fn cells_of<'a>(points: &[Valued<'a>]) -> Vec<&'a Cell> {
@@ -55,31 +67,38 @@ fn cells_of<'a>(points: &[Valued<'a>]) -> Vec<&'a Cell> {
 }
 
 pub(super) fn constant(points: &[Valued], within: f64) -> Finding {
-    let by_value = |a: &&Valued, b: &&Valued| a.value.total_cmp(&b.value);
+    let by_value = |a: &&Valued, b: &&Valued| a.of.value.total_cmp(&b.of.value);
     let (Some(low), Some(high)) = (points.iter().min_by(by_value), points.iter().max_by(by_value))
     else {
         return Finding::nothing(NO_VALUE);
     };
     let cells = cells_of(points);
     if points.len() < 2 {
-        let words = format!("{} in the only cell; a constant needs two", number(low.value));
+        let words = format!("{} in the only cell; a constant needs two", number(low.of.value));
         return Finding::new(Status::NotShown, words).about(cells.into_iter());
     }
-    let spread = match high.value == low.value {
-        true => Some(0.0),
-        false => (low.value > 0.0).then(|| high.value / low.value - 1.0),
+    let above = |low: f64, high: f64| match (low, high) {
+        _ if high <= low => 0.0,
+        _ if low > 0.0 => high / low - 1.0,
+        _ => f64::INFINITY,
+    };
+    let ends = |end: usize, pick: fn(f64, f64) -> f64| {
+        points.iter().map(|point| point.of.range[end]).reduce(pick).unwrap_or(f64::NAN)
     };
     let within = within + ROUNDING;
-    let holds = spread.is_some_and(|spread| spread <= within);
-    let (least, most, over) = (number(low.value), number(high.value), over(&cells));
+    let spread = above(low.of.value, high.of.value);
+    let least_spread = above(ends(1, f64::min), ends(0, f64::max));
+    let most_spread = above(ends(0, f64::min), ends(1, f64::max));
+    let status = decided(most_spread <= within, least_spread > within);
+    let (least, most, over) = (number(low.of.value), number(high.of.value), over(&cells));
     let at = |point: &Valued| place(&point.cell.id, &varying(&cells));
     let words = match spread {
-        None => format!("{least} to {most} ({over}); the smallest value is not positive"),
-        Some(0.0) => format!("always {least} ({over})"),
-        Some(spread) if holds => {
+        f64::INFINITY => format!("{least} to {most} ({over}); the smallest value is not positive"),
+        0.0 => format!("always {least} ({over})"),
+        _ if status == Status::Holds => {
             format!("varies by {}, from {least} to {most} ({over})", apart(spread, within))
         }
-        Some(spread) => format!(
+        _ => format!(
             "varies by {} ({} allowed), from {least} at {} to {most} at {}",
             apart(spread, within),
             apart(within, within),
@@ -87,7 +106,8 @@ pub(super) fn constant(points: &[Valued], within: f64) -> Finding {
             at(high)
         ),
     };
-    Finding::new(decided(holds), words).about(cells.into_iter())
+    let tell = if status == Status::NotShown { "; undecided" } else { "" };
+    Finding::new(status, words + tell).about(cells.into_iter())
 }
 
 /// Formats how far a value exceeds another, as a percentage or, if large, as a factor.
@@ -100,32 +120,26 @@ fn apart(spread: f64, within: f64) -> String {
 
 pub(super) fn compared(
     points: &[Valued],
-    to: impl Fn(&Cell) -> Option<f64>,
+    to: impl Fn(&Cell) -> Option<Estimate>,
     equal: Option<f64>,
 ) -> Finding {
-    // If values must be equal, their relative difference; otherwise value / limit - 1.
-    let gap = |value: f64, to: f64| match equal {
-        Some(_) if value == to => 0.0,
-        Some(_) => (value - to).abs() / to.abs(),
-        _ if value <= to => -(1.0 - value / to).abs(),
-        _ => (value - to) / to.abs(),
-    };
     if points.is_empty() {
         return Finding::nothing(NO_VALUE);
     }
     let sides = points.iter().filter_map(|point| {
         let limit = to(point.cell)?;
-        let gap = gap(point.value, limit);
-        Some((point.cell, point.value, limit, if gap.is_nan() { 0.0 } else { gap }))
+        let (gap, decided) = side(point.of, limit, equal);
+        Some((point.cell, point.of.value, limit.value, gap, decided))
     });
     let sides: Vec<_> = sides.collect();
     let used = cells_of(points).into_iter();
-    let Some(&(worst, value, limit, gap)) = sides.iter().max_by(|a, b| a.3.total_cmp(&b.3)) else {
+    let Some(&(worst, value, limit, gap, _)) = sides.iter().max_by(|a, b| a.3.total_cmp(&b.3))
+    else {
         return Finding::new(Status::NotShown, "no cell has both sides".into()).about(used);
     };
     let cells: Vec<&Cell> = points.iter().map(|it| it.cell).filter(|it| to(it).is_some()).collect();
-    let allowed = equal.unwrap_or(0.0) + ROUNDING;
-    let bad = sides.iter().filter(|side| side.3 > allowed).count();
+    let bad = sides.iter().filter(|side| side.4.1).count();
+    let open = sides.iter().filter(|side| side.4 == (false, false)).count();
     let (value, limit) = (number(value), number(limit));
     let at = || format!(", at {}", place(&worst.id, &varying(&cells)));
     let (all, at) = match sides.len() {
@@ -141,11 +155,35 @@ pub(super) fn compared(
     let words = match (bad, equal) {
         (0, Some(_)) if gap == 0.0 => format!("exact in {all}"),
         (0, Some(_)) => format!("within {} in {all}", percent(gap)),
-        (0, None) => format!("true in {all}; closest to the limit: {value} (limit {limit}){at}"),
+        (0, None) if gap <= ROUNDING => {
+            format!("true in {all}; closest to the limit: {value} (limit {limit}){at}")
+        }
         _ if sides.len() == 1 => worst,
+        (0, _) => format!("worst: {worst}"),
         (bad, _) => format!("false in {bad} of {} cells; worst: {worst}", sides.len()),
     };
-    Finding::new(decided(bad == 0), words).about(used)
+    let tell = if open > 0 { format!("; undecided in {open}") } else { String::new() };
+    Finding::new(decided(bad + open == 0, bad > 0), words + &tell).about(used)
+}
+
+/// Returns how far a value is off, and whether it certainly is within its limit, or beyond. If values
+/// must be equal, it is the relative difference; otherwise it is value / limit - 1.
+fn side(value: Estimate, limit: Estimate, equal: Option<f64>) -> (f64, (bool, bool)) {
+    let gap = |value: f64, to: f64| {
+        let gap = match equal {
+            Some(_) if value == to => 0.0,
+            Some(_) => (value - to).abs() / to.abs(),
+            _ if value <= to => -(1.0 - value / to).abs(),
+            _ => (value - to) / to.abs(),
+        };
+        if gap.is_nan() { 0.0 } else { gap }
+    };
+    let allowed = equal.unwrap_or(0.0) + ROUNDING;
+    let ends = [(0, 1), (1, 0)].map(|(a, b)| gap(value.range[a], limit.range[b]));
+    let apart = value.range[0] > limit.range[1] || value.range[1] < limit.range[0];
+    let nearest = if equal.is_none() || apart { ends[0].min(ends[1]) } else { 0.0 };
+    let decided = (ends[0].max(ends[1]) <= allowed, nearest > allowed);
+    (gap(value.value, limit.value), decided)
 }
 
 pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
@@ -153,8 +191,11 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
         return Finding::nothing(NO_VALUE);
     }
     let mut series: BTreeMap<Projection, Vec<(f64, f64)>> = BTreeMap::new();
-    for Valued { cell, value } in points {
-        series.entry(cell.id.without(&["n", "seed"])).or_default().push((cell.id.n as f64, *value));
+    for Valued { cell, of } in points {
+        series
+            .entry(cell.id.without(&["n", "seed"]))
+            .or_default()
+            .push((cell.id.n as f64, of.value));
     }
     let cells = cells_of(points);
     let fields: Vec<String> =
@@ -177,11 +218,7 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
             others.push((fails, place + &misfit(&choice, off, wanted.name())));
         }
     }
-    let status = match (others.is_empty(), others.iter().any(|(fails, _)| *fails)) {
-        (true, _) => Status::Holds,
-        (_, true) => Status::Fails,
-        _ => Status::NotShown,
-    };
+    let status = decided(others.is_empty(), others.iter().any(|(fails, _)| *fails));
     let mut parts: Vec<String> = Vec::new();
     if !fitting.is_empty() {
         let least =

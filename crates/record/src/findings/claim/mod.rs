@@ -10,13 +10,14 @@ pub mod verdicts;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use kinds::{Finding, Valued, compared, constant, faster, grows};
+use kinds::{Estimate, Finding, Valued, compared, constant, faster, grows};
 
 use crate::cells::label::{place, varying};
 use crate::cells::series::Line;
 use crate::cells::{Cell, CellId, Expression, Reading, select};
 use crate::experiment::{Claim, ClaimKind, Experiment};
 use crate::findings::trust::coverage::{Coverage, Gaps};
+use crate::findings::trust::noise::SURE;
 use crate::record::row::Outcome;
 use contactbench_terms::number::plural;
 
@@ -136,11 +137,9 @@ fn check(claim: &Claim, own: &[Cell]) -> (Finding, Evidence) {
 
 fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> Finding {
     let points = |sides: &[&Expression]| -> Vec<Valued<'_>> {
-        let point = |&cell| {
-            let values: Option<Vec<f64>> = sides.iter().map(|side| reading(side, cell)).collect();
-            values.map(|values| Valued { cell, value: values[0] })
-        };
-        cells.iter().filter_map(point).collect()
+        let all = |cell: &&&Cell| sides.iter().all(|side| reading(side, cell).is_some());
+        let point = |&cell| Some(Valued { cell, of: reading(sides[0], cell)? });
+        cells.iter().filter(all).filter_map(point).collect()
     };
     match kind {
         ClaimKind::Constant { value, within } => constant(&points(&[value]), *within),
@@ -191,15 +190,24 @@ fn times(cells: &[&Cell]) -> Option<[f64; 2]> {
     Some([low?, high?])
 }
 
-/// Returns the value of a cell. An expression of n and parameters needs no good outcome.
-fn reading(value: &Expression, cell: &Cell) -> Option<f64> {
+/// Returns the value of a cell, with an interval if it depends on the time. An expression of n and
+/// parameters needs no good outcome.
+fn reading(value: &Expression, cell: &Cell) -> Option<Estimate> {
+    let point = |value, range| Some(Estimate { value, range });
     if value.passes().is_empty() {
-        return value.at(cell, None);
+        let value = value.at(cell, None)?;
+        return point(value, [value; 2]);
     }
-    match value.read(cell) {
-        Reading::Value(value) => Some(value),
-        _ => None,
+    let Reading::Value(number) = value.read(cell) else { return None };
+    if !value.uses_time() {
+        return point(number, [number; 2]);
     }
+    let time = cell.time()?;
+    if time.coverage < SURE {
+        return point(number, [0.0, f64::INFINITY]);
+    }
+    let [a, b] = [time.low, time.high].map(|time| value.at(cell, Some(time)));
+    point(number, [a?.min(b?), a?.max(b?)])
 }
 
 #[cfg(test)]

@@ -85,6 +85,30 @@ fn wrong_cells_fail_and_missing_ones_are_counted() {
 }
 
 #[test]
+fn intervals_of_times_decide() {
+    let mut lab = Lab::new("e", "packed");
+    for (n, times) in [(10, [1000, 1010, 1020, 1030, 1040, 1050]), (20, [2400; 6])] {
+        lab.detector("nbs").n(n).time(&times);
+    }
+    // Per particle: 100 to 105 and 120, so the largest is 14% to 20% above the smallest.
+    let constant = |within| format!("kind = 'constant'\nvalue = 'time_ns / n'\nwithin = {within}");
+    let limit = |to| format!("kind = 'at-most'\nvalue = 'time_ns / n'\nto = {to}");
+    for (claim, status) in [
+        (constant("0.21"), Holds),
+        (constant("0.17"), NotShown),
+        (constant("0.14"), Fails),
+        (limit("120"), Holds),
+        (limit("119"), Fails),
+        (limit("102") + "\nwhere = { n = 10 }", NotShown),
+    ] {
+        assert_eq!(one(&lab, &claim).status, status, "{claim}: {:?}", one(&lab, &claim).evidence);
+    }
+    lab.detector("few").time(&[1000; 4]);
+    let few = one(&lab, &(limit("1e9") + "\nwhere = { detector = 'few' }"));
+    assert_eq!(few.status, NotShown);
+}
+
+#[test]
 fn a_limit_may_come_from_another_dimension() {
     let mut lab = Lab::new("e", "packed");
     for (dim, per_particle) in [(2, 100), (3, 131)] {
