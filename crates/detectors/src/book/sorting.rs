@@ -14,8 +14,10 @@
 //! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit.
 //! * Deviations from the book: cells are wider by 4 parts in a million
 //!   ([`contactbench_ground::filter::cells`]); the mask cells are searched once per occupied cell,
-//!   not once per particle; min and max of a part are bounds of its values, not extremes; if (min +
-//!   max) / 2 is min, mid is max, because otherwise the partition would not end.
+//!   not once per particle; a search keeps the lower half at equality, so it visits other places
+//!   than figures 3.25 to 3.27, in as many steps; min and max of a part are bounds of its values,
+//!   not extremes; if (min + max) / 2 is min, mid is max, because otherwise the partition would not
+//!   end.
 
 use super::mask;
 use contactbench_ground::contact::Particles;
