@@ -12,9 +12,9 @@
 //!   scenes over the memory limit, and more than 2^31 - 1 particles.
 //! * Deviations from the book: cells are wider by 4 parts in a million
 //!   ([`contactbench_ground::filter::cells`]); the highest bit marks old heads instead of an added
-//!   N; particles count from 0; C and E are set back after the search, where the book does it before
-//!   the next mapping (3.36, 3.37). The array is kept between detections and replaced if the domain
-//!   needs a larger one.
+//!   N; particles count from 0; C and E are set back after the search, where the book does it
+//!   before the next mapping (3.36, 3.37). The array is kept between detections and replaced if the
+//!   domain needs a larger one.
 
 use super::list::{Heads, Links};
 use super::mask;
