@@ -1,8 +1,9 @@
 //! Communication between ranks, and ranks that are threads.
 
-use std::io;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread;
+use std::any::Any;
+use std::panic::resume_unwind;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::{io, thread};
 
 use crate::rank::Failure;
 
@@ -25,29 +26,15 @@ pub trait World {
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure>;
 }
 
-/// A rank that is a thread of this process, for tests and trials.
+/// A rank that is a thread of this process, for tests and trials. Each pair of ranks has a channel
+/// for either direction.
 pub struct Thread {
     rank: usize,
-    shared: Arc<Shared>,
+    to: Vec<Sender<Vec<u8>>>,
+    from: Vec<Receiver<Vec<u8>>>,
 }
 
-struct Shared {
-    size: usize,
-    table: Mutex<Board>,
-    turned: Condvar,
-}
-
-/// Data shared by all threads. Each list has an entry per rank.
-struct Board {
-    arrived: usize,
-    round: u64,
-    /// The first rank that returned; others must not wait for it.
-    left: Option<usize>,
-    /// The first rank that panicked.
-    lost: Option<usize>,
-    numbers: Vec<Vec<u64>>,
-    mail: Vec<Vec<Vec<u8>>>,
-}
+const ENDED: &str = "another rank has ended, and this one waits for it";
 
 /// Calls `work` in this many threads, one per rank, and returns the results in the order of ranks.
 ///
@@ -55,95 +42,57 @@ struct Board {
 /// Fails if the system cannot start that many threads.
 ///
 /// # Panics
-/// Panics if the work of a rank does, with the panic of the first such rank. Ranks that wait for a
-/// rank that has panicked or returned panic, too.
+/// Panics if the work of a rank does. Ranks that wait for a rank that has panicked or returned
+/// panic, too; the panic of another rank goes before theirs.
 pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::Result<Vec<R>> {
-    let table = Board {
-        arrived: 0,
-        round: 0,
-        left: None,
-        lost: None,
-        numbers: vec![Vec::new(); size],
-        mail: vec![Vec::new(); size],
-    };
-    let shared = Arc::new(Shared { size, table: Mutex::new(table), turned: Condvar::new() });
+    let rank = |rank| Thread { rank, to: Vec::new(), from: Vec::new() };
+    let mut ranks: Vec<Thread> = (0..size).map(rank).collect();
+    for (a, b) in (0..size).flat_map(|a| (0..size).map(move |b| (a, b))) {
+        let (sender, receiver) = channel();
+        ranks[a].to.push(sender);
+        ranks[b].from.push(receiver);
+    }
+    let work = &work;
     thread::scope(|scope| {
-        let start = |rank| {
-            let (world, work) = (Thread { rank, shared: Arc::clone(&shared) }, &work);
-            thread::Builder::new().spawn_scoped(scope, move || work(&world))
-        };
+        let start = |rank| thread::Builder::new().spawn_scoped(scope, move || work(&rank));
         // A rank that cannot be started has ended, so the others do not wait for it.
-        let started: Vec<io::Result<_>> = (0..size).map(start).collect();
-        let mut ended: Vec<io::Result<_>> =
+        let started: Vec<io::Result<_>> = ranks.into_iter().map(start).collect();
+        let ended: Vec<io::Result<_>> =
             started.into_iter().map(|thread| Ok(thread?.join())).collect();
-        if let Some(lost) = shared.table().lost.filter(|_| ended.iter().all(Result::is_ok))
-            && let Ok(Err(cause)) = ended.swap_remove(lost)
-        {
-            std::panic::resume_unwind(cause);
+        let ended = ended.into_iter().collect::<io::Result<Vec<_>>>()?;
+        let waited = |cause: &Box<dyn Any + Send>| cause.downcast_ref() == Some(&ENDED);
+        let (mut done, mut lost) = (Vec::new(), None);
+        for end in ended {
+            match end {
+                Ok(result) => done.push(result),
+                Err(cause) if lost.as_ref().is_none_or(waited) => lost = Some(cause),
+                Err(_) => {}
+            }
         }
-        // Here no rank has panicked, unless another could not be started.
-        ended.into_iter().filter_map(|end| end.map(Result::ok).transpose()).collect()
+        lost.map_or(Ok(done), |cause| resume_unwind(cause))
     })
 }
 
-impl Shared {
-    fn table(&self) -> MutexGuard<'_, Board> {
-        self.table.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 impl Thread {
-    fn wait(&self) {
-        let mut table = self.shared.table();
-        let round = table.round;
-        table.arrived += 1;
-        if table.arrived == self.shared.size {
-            (table.arrived, table.round) = (0, round + 1);
-            self.shared.turned.notify_all();
+    fn swap(&self, parts: &mut [Vec<u8>]) {
+        for (part, to) in parts.iter_mut().zip(&self.to) {
+            // If the other rank has ended, receiving from it panics.
+            let _ = to.send(std::mem::take(part));
         }
-        while table.round == round {
-            if let Some(rank) = table.left {
-                drop(table);
-                panic!("rank {rank} has ended, and rank {} waits for it", self.rank);
-            }
-            let turned = self.shared.turned.wait(table);
-            table = turned.unwrap_or_else(PoisonError::into_inner);
+        for (part, from) in parts.iter_mut().zip(&self.from) {
+            *part = from.recv().unwrap_or_else(|_| std::panic::panic_any(ENDED));
         }
-    }
-
-    /// Calls `put`, waits until all ranks have done so, and calls `take`.
-    fn meet<R>(
-        &self,
-        put: impl FnOnce(&mut Board, usize),
-        take: impl FnOnce(&mut Board, usize) -> R,
-    ) -> R {
-        put(&mut self.shared.table(), self.rank);
-        self.wait();
-        let taken = take(&mut self.shared.table(), self.rank);
-        self.wait();
-        taken
     }
 
     /// Calls `take` with the numbers of all ranks, each with its index in the list.
-    fn all(&self, mine: Vec<u64>, mut take: impl FnMut(usize, u64)) {
-        self.meet(
-            |table, rank| table.numbers[rank] = mine,
-            |table, _| {
-                let all = table.numbers.iter().flat_map(|of| of.iter().enumerate());
-                all.for_each(|(k, &number)| take(k, number));
-            },
-        );
-    }
-}
-
-impl Drop for Thread {
-    fn drop(&mut self) {
-        let mut table = self.shared.table();
-        table.left.get_or_insert(self.rank);
-        if thread::panicking() {
-            table.lost.get_or_insert(self.rank);
+    fn all(&self, mine: impl Iterator<Item = u64>, mut take: impl FnMut(usize, u64)) {
+        let letter: Vec<u8> = mine.flat_map(u64::to_le_bytes).collect();
+        let mut letters = vec![letter; self.size()];
+        self.swap(&mut letters);
+        for letter in &letters {
+            let numbers = letter.as_chunks().0.iter().enumerate();
+            numbers.for_each(|(k, bytes)| take(k, u64::from_le_bytes(*bytes)));
         }
-        self.shared.turned.notify_all();
     }
 }
 
@@ -153,30 +102,22 @@ impl World for Thread {
     }
 
     fn size(&self) -> usize {
-        self.shared.size
+        self.to.len()
     }
 
     fn sum(&self, numbers: &mut [u64]) {
         let mine = numbers.to_vec();
         numbers.fill(0);
-        self.all(mine, |k, number| numbers[k] = numbers[k].wrapping_add(number));
+        self.all(mine.into_iter(), |k, number| numbers[k] = numbers[k].wrapping_add(number));
     }
 
     fn largest(&self, numbers: &mut [f64]) {
-        let mine = numbers.iter().map(|x| x.to_bits()).collect();
-        self.all(mine, |k, bits| numbers[k] = numbers[k].max(f64::from_bits(bits)));
+        let mine: Vec<u64> = numbers.iter().map(|x| x.to_bits()).collect();
+        self.all(mine.into_iter(), |k, bits| numbers[k] = numbers[k].max(f64::from_bits(bits)));
     }
 
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure> {
-        let mine = parts.iter_mut().map(std::mem::take).collect();
-        self.meet(
-            |table, rank| table.mail[rank] = mine,
-            |table, rank| {
-                for (part, of) in parts.iter_mut().zip(&mut table.mail) {
-                    *part = std::mem::take(&mut of[rank]);
-                }
-            },
-        );
+        self.swap(parts);
         Ok(())
     }
 }
@@ -236,7 +177,6 @@ mod tests {
                 }
             })
         });
-        let words = panics.unwrap_err().downcast::<String>().unwrap();
-        assert!(words.starts_with("rank 1 has ended"), "{words}");
+        assert_eq!(panics.unwrap_err().downcast_ref(), Some(&ENDED));
     }
 }

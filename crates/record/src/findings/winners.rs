@@ -13,7 +13,7 @@
 //! with the runner-up is not enough, because a noisy third may be as fast. Ratios within blocks
 //! give the order; medians over all blocks are used only without common blocks.
 
-use std::cmp::Ordering;
+use std::cmp::{Ordering, max_by_key};
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::series::Line;
@@ -60,13 +60,6 @@ pub struct Tally {
     pub undecided: usize,
     pub untimed: usize,
     pub wins: Vec<Wins>,
-    pub alone: Option<Alone>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct Alone {
-    pub name: String,
-    pub others: BTreeMap<String, Outcome>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -164,7 +157,9 @@ pub fn contest(
     for cell in scene.cells.iter().filter(|cell| !cell.role.is_control()) {
         let (name, outcome) = (who(cell), cell.overall().0);
         if !taking_part.contains(&name) {
-            note(&mut without, name, outcome);
+            // The worst outcome counts.
+            let known = without.entry(name).or_insert(outcome);
+            *known = max_by_key(*known, outcome, |it| (*it == Outcome::Wrong, *it));
         }
     }
     let subject = |cell: &Cell| {
@@ -181,12 +176,6 @@ pub fn contest(
     let (title, shown) = (scene.title.clone(), scene.shown);
     let without = without.into_iter().collect();
     Some(Contest { title, shown, first: subject(first), others, without })
-}
-
-/// Keeps the worst outcome of each subject.
-fn note(known: &mut BTreeMap<String, Outcome>, name: String, outcome: Outcome) {
-    let known = known.entry(name).or_insert(outcome);
-    *known = std::cmp::max_by_key(*known, outcome, |it| (*it == Outcome::Wrong, *it));
 }
 
 impl Contest {
@@ -214,21 +203,7 @@ impl Tally {
             undecided: contests.iter().filter(|contest| !contest.decided()).count(),
             untimed: winners.scenes - contests.len(),
             wins,
-            alone: Alone::new(contests),
         }
-    }
-}
-
-impl Alone {
-    fn new(contests: &[Contest]) -> Option<Alone> {
-        let names: BTreeSet<&str> =
-            contests.iter().map(|contest| contest.first.line.detector.as_str()).collect();
-        let name = names.first().filter(|_| names.len() == 1)?.to_string();
-        let mut others: BTreeMap<String, Outcome> = BTreeMap::new();
-        for (name, outcome) in contests.iter().flat_map(|contest| contest.without.iter().cloned()) {
-            note(&mut others, name, outcome);
-        }
-        contests.iter().all(|contest| contest.others.is_empty()).then_some(Alone { name, others })
     }
 }
 
@@ -284,7 +259,7 @@ mod tests {
         assert!((next.ratio.unwrap().median - 2.5).abs() < 1e-9);
         assert_eq!((next.per_particle, next.per_pair), (2.5, Some(1.0)));
         let tally = Tally::new(&winners);
-        assert_eq!((tally.scenes, tally.undecided, tally.alone), (4, 2, None));
+        assert_eq!((tally.scenes, tally.undecided), (4, 2));
         let wins = tally.wins.iter().map(|wins| (&*wins.detector, wins.margins.len()));
         assert_eq!(wins.collect::<Vec<_>>(), [("nbs", 1), ("sorting", 1)]);
     }
@@ -368,12 +343,12 @@ mod tests {
     }
 
     #[test]
-    fn wrong_detectors_are_named_beside_the_only_right_one() {
+    fn wrong_detectors_do_not_take_part() {
         let mut lab = Lab::new("e", "packed");
         lab.detector("nbs").time(&[100; 15]).detector("mine").time(&[50; 15]);
         lab.edit(|row| row.outcome = Outcome::Wrong);
-        let alone = Tally::new(&found(&lab)).alone.unwrap();
-        let others = BTreeMap::from([("mine".to_string(), Outcome::Wrong)]);
-        assert_eq!((&*alone.name, alone.others), ("nbs", others));
+        let contest = found(&lab).contests.remove(0);
+        assert_eq!((&*contest.first.name, contest.others.len()), ("nbs", 0));
+        assert_eq!(contest.without, [("mine".to_string(), Outcome::Wrong)]);
     }
 }

@@ -27,12 +27,6 @@ pub const CONTROL: Colour = (150, 150, 150);
 /// Background of the strip that marks cells without a value.
 pub const STRIP: Colour = (246, 246, 244);
 
-/// Mixes a colour with this share of white, 0 to 1.
-pub fn lightened(colour: Colour, white: f64) -> Colour {
-    let mix = |c: u8| (f64::from(c) + (255.0 - f64::from(c)) * white) as u8;
-    (mix(colour.0), mix(colour.1), mix(colour.2))
-}
-
 pub fn ink_on(ground: Colour) -> Colour {
     let (r, g, b) = (u32::from(ground.0), u32::from(ground.1), u32::from(ground.2));
     if 299 * r + 587 * g + 114 * b > 140_000 { INK } else { WHITE }

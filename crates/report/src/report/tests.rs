@@ -65,7 +65,7 @@ fn verdicts_are_in_the_report_on_the_terminal_and_in_a_file() {
     lab.count(&[]).errors(Errors { spurious: 4, ..Errors::default() }, Causes::default());
     let experiment = testing::experiment("table = 'verdicts'");
     let (_, [markdown, _, terminal]) = written(folder.path(), experiment, &lab);
-    assert!(terminal.starts_with("e: A title\n\nWhich is fastest?\n\ncase"), "{terminal}");
+    assert!(terminal.starts_with("e: A title\n\nWhich is fastest?\n\n"), "{terminal}");
     assert!(terminal.contains("+4"), "{terminal}");
     assert!(markdown.contains("| packed, N = 100 | 2D | +4 |"), "{markdown}");
     let file = std::fs::read_to_string(folder.path().join("verdicts.csv")).unwrap();

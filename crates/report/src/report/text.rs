@@ -18,11 +18,8 @@ impl Facts<'_> {
         let mut out: Vec<Block> = self.wrong.iter().map(paragraph).collect();
         out.extend(self.alerts.iter().cloned());
         for chapter in &self.chapters {
-            let mut said = chapter
-                .matrix
-                .as_ref()
-                .map(sections::claims::verdicts::terminal)
-                .unwrap_or_default();
+            let mut said =
+                chapter.matrix.as_ref().map(sections::claims::verdicts::blocks).unwrap_or_default();
             said.extend(chapter.answers(false));
             if !said.is_empty() {
                 let experiment = chapter.experiment;

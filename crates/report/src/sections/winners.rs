@@ -1,7 +1,7 @@
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
-use contactbench_record::findings::winners::{Alone, Contest, RankedSubject, Tally, Winners, Wins};
+use contactbench_record::findings::winners::{Contest, RankedSubject, Tally, Winners, Wins};
 use contactbench_terms::number::{number, plural, short};
 
 pub const ALL: &str = "Scene by scene";
@@ -53,44 +53,29 @@ pub fn sentence(winners: &Winners) -> Text {
         }
     }
     let rest = rest.join("; ");
-    match (tally.wins.first(), &tally.alone) {
-        (Some(first), _) => {
-            let words = format!("{} is the fastest in {}", first.detector, first.margins.len());
-            let mut out = Text::new().strong(format!("{words} of {} scenes", tally.scenes));
-            if let Some((typical, least, most)) = first.margin() {
-                out = out.plain(format!(
-                    "; the runner-up takes {typical:.1} times as long (median; {least:.1} to \
-                     {most:.1})"
-                ));
-            }
-            out.plain(if rest.is_empty() { ".".into() } else { format!(". {rest}.") })
-        }
-        _ if winners.contests.is_empty() && tally.alone.is_none() => {
-            "No times were taken: only answers, counts and memory.".into()
-        }
-        (None, Some(found)) => alone(found),
-        (None, None) => undecided_all(&winners.contests).into(),
+    let Some(first) = tally.wins.first() else { return undecided_all(winners).into() };
+    let words = format!("{} is the fastest in {}", first.detector, first.margins.len());
+    let mut out = Text::new().strong(format!("{words} of {} scenes", tally.scenes));
+    if let Some((typical, least, most)) = first.margin() {
+        out = out.plain(format!(
+            "; the runner-up takes {typical:.1} times as long (median; {least:.1} to {most:.1})"
+        ));
     }
+    out.plain(if rest.is_empty() { ".".into() } else { format!(". {rest}.") })
 }
 
 fn won(wins: &Wins) -> String {
     format!("{}: {}", wins.detector, wins.margins.len())
 }
 
-/// Formats a sentence such as `Only nbs has a time (my-det: wrong).`
-fn alone(found: &Alone) -> Text {
-    let others = found.others.iter().map(|(name, outcome)| format!("{name}: {}", outcome.name()));
-    let others = Vec::from_iter(others).join(", ");
-    let others = if others.is_empty() { others } else { format!(" ({others})") };
-    Text::from("Only ").strong(found.name.as_str()).plain(format!(" has a time{others}."))
-}
-
 /// Explains why no scene is decided.
-fn undecided_all(contests: &[Contest]) -> String {
-    let others = contests.iter().flat_map(|contest| &contest.others);
+fn undecided_all(winners: &Winners) -> String {
+    let others = winners.contests.iter().flat_map(|contest| &contest.others);
     let blocks = others.filter_map(|other| Some(other.ratio?.count)).max().unwrap_or(0);
-    let scenes = contests.len();
+    let scenes = winners.contests.len();
     match blocks {
+        _ if scenes == 0 => "No times were taken: only answers, counts and memory.".into(),
+        _ if !compared(winners) => "In no scene, two detectors have times.".into(),
         ..5 => {
             format!("Undecided in {scenes} of {scenes} scenes: {blocks} of the 5 blocks needed.")
         }
@@ -140,41 +125,4 @@ pub fn undecided<'a>(open: impl IntoIterator<Item = &'a String>) -> Cell {
     let (named, more) = open.split_at(open.len().min(2));
     let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
     format!("undecided: {}{more}", named.join(", ")).into()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::document::markdown;
-    use contactbench_record::cells::testing::Lab;
-    use contactbench_record::findings::winners::winners;
-    use contactbench_record::record::row::Outcome;
-
-    fn said(lab: &Lab) -> String {
-        markdown(&blocks(&lab.find(winners), true))
-    }
-
-    #[test]
-    fn equally_fast_detectors_are_named() {
-        let mut lab = Lab::new("e", "loose");
-        lab.detector("nbs").time(&[100; 15]).detector("sorting").time(&[100; 15]);
-        lab.detector("sweep").time(&[900; 15]);
-        let text = said(&lab);
-        assert!(text.starts_with("Undecided in 1 of 1 scenes"), "{text}");
-        assert!(text.contains("undecided: nbs, sorting") || text.contains("undecided: "), "{text}");
-        let mut lab = Lab::new("e", "loose");
-        lab.detector("nbs").time(&[100; 3]).detector("sorting").time(&[100; 3]);
-        assert!(said(&lab).contains("3 of the 5 blocks"));
-    }
-
-    #[test]
-    fn nobody_wins_alone_or_without_times() {
-        let mut lab = Lab::new("e", "packed");
-        lab.detector("nbs").time(&[1000; 15]);
-        assert_eq!(said(&lab), "Only **nbs** has a time.\n\n");
-        assert!(blocks(&Winners::default(), true).is_empty());
-        lab.detector("mine").time(&[10; 15]).edit(|row| row.outcome = Outcome::Wrong);
-        let words = "Only **nbs** has a time (mine: wrong).";
-        assert_eq!(said(&lab), format!("{words}\n\n"));
-    }
 }

@@ -15,23 +15,15 @@ pub fn blocks(found: &Matrix) -> Vec<Block> {
          Detectors that are not named are right. Every answer, and each reason, is in \
          `verdicts.csv`.",
     );
-    let mut out = vec![Block::Paragraph(how), Block::Table(totals(found))];
-    if !found.lines.is_empty() {
-        out.push(Block::Table(lines(found)));
-    }
-    out.extend(rest(found));
-    out
-}
-
-pub fn terminal(found: &Matrix) -> Vec<Block> {
-    let legend = "-: pairs missed, +: pairs added";
-    let mut table = lines(found);
-    table.rows.extend(totals(found).rows.into_iter().map(|mut row| {
-        row.insert(1, "".into());
-        row
-    }));
-    let head = [Block::Table(table), Block::paragraph(legend)];
-    head.into_iter().chain(rest(found)).collect()
+    let lines = (!found.lines.is_empty()).then(|| Block::Table(lines(found)));
+    let right = (!found.right.is_empty()).then(|| {
+        let cases = plural(found.right.len(), "case");
+        let right = found.right.join(", ");
+        let words = "Right by every detector in every arithmetic";
+        Block::paragraph(format!("{words}, {cases}: {right}."))
+    });
+    let first = [Block::Paragraph(how), Block::Table(totals(found))];
+    first.into_iter().chain(lines).chain(right).collect()
 }
 
 fn totals(found: &Matrix) -> Table {
@@ -47,18 +39,6 @@ fn lines(found: &Matrix) -> Table {
     let answer = |line: &CaseLine, k: usize| line.answers[k].clone();
     let arithmetics = found.arithmetics.iter().enumerate();
     table.each(arithmetics, |table, (k, name)| table.left(name, |line| answer(line, k))).into()
-}
-
-fn rest(found: &Matrix) -> Vec<Block> {
-    let mut out = Vec::new();
-    if !found.right.is_empty() {
-        out.push(Block::paragraph(format!(
-            "Right by every detector in every arithmetic, {}: {}.",
-            plural(found.right.len(), "case"),
-            found.right.join(", ")
-        )));
-    }
-    out
 }
 
 pub fn rows(cells: &[&Measured]) -> Table {
@@ -85,17 +65,15 @@ pub fn rows(cells: &[&Measured]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{markdown, plain};
+    use crate::document::markdown;
     use crate::table::csv;
     use contactbench_record::cells::testing::hard_lab as lab;
 
     #[test]
-    fn report_terminal_and_file_agree() {
-        let found = lab().find(Matrix::new).unwrap();
-        let (report, terminal) = (markdown(&blocks(&found)), plain(&terminal(&found), 110));
-        assert!(terminal.lines().all(|line| line.chars().count() <= 110), "{terminal}");
+    fn report_and_file_agree() {
+        let report = markdown(&blocks(&lab().find(Matrix::new).unwrap()));
         for part in ["Right by every detector", "1 case: calm", "refused"] {
-            assert!(report.contains(part) && terminal.contains(part), "{part}: {report}{terminal}");
+            assert!(report.contains(part), "{part}: {report}");
         }
         let line = "| tangent | 2D | -3 | nbs, sorting: lossy -2 | right |";
         assert!(report.contains(line), "{report}");

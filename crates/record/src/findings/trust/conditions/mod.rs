@@ -33,11 +33,6 @@ pub struct Conditions {
     /// Number of timed rows during which the machine was slow, and number of rows for which that is
     /// known.
     pub slow: (usize, usize),
-    /// Whether sources were changed after the commit; `None` if a part of the record does not state
-    /// it.
-    pub dirty: Option<bool>,
-    pub revisions: BTreeSet<String>,
-    pub profiles: BTreeSet<String>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,32 +52,9 @@ impl Conditions {
         rows: &[Row],
     ) -> Conditions {
         let provenances: Vec<&Value> = provenances.into_iter().collect();
-        let texts = |name: &str| -> BTreeSet<String> {
-            let values = provenances.iter().filter_map(|fields| fields.get(name)?.as_str());
-            // A merged record lists the values of its parts in one text.
-            let values = values.flat_map(|text| text.split(", ")).filter(|text| !text.is_empty());
-            values.map(String::from).collect()
-        };
-        // The provenance of a merged record does not state `dirty`, but those of its parts do.
-        let said = provenances.iter().filter(|fields| fields.get("merged_from").is_none());
-        let said: Vec<Option<bool>> =
-            said.map(|fields| fields.get("dirty").and_then(Value::as_bool)).collect();
         let timed = |row: &&Row| row.pass == Pass::Time && row.time_ns.is_some();
         let timed: Vec<&Row> = rows.iter().filter(timed).collect();
-        let sources = said_by(&timed, ledger, "sources");
-        let dirty = if said.contains(&Some(true)) || sources.contains("changed") {
-            Some(true)
-        } else {
-            let known = !said.is_empty() && !said.contains(&None) && !sources.contains("unknown");
-            known.then_some(false)
-        };
-        let profiles = said_by(&timed, ledger, "profile").into_iter().map(String::from).collect();
-        let mut conditions = Conditions {
-            dirty,
-            revisions: texts("revision"),
-            profiles: &texts("profile") | &profiles,
-            ..Conditions::default()
-        };
+        let mut conditions = Conditions::default();
         let states = States::new(rows);
         let looked: Vec<bool> = timed.iter().filter_map(|row| states.is_slow(row)).collect();
         conditions.slow = (looked.iter().filter(|&&slow| slow).count(), looked.len());
@@ -92,14 +64,19 @@ impl Conditions {
         if conditions.load == Load::Unknown && !counts_alone {
             conditions.before(&provenances);
         }
-        if dirty == Some(true) {
+        // The provenance of a merged record does not state `dirty`, but those of its parts do.
+        let dirty = provenances.iter().any(|fields| fields.get("dirty") == Some(&true.into()));
+        if dirty || said_by(&timed, ledger, "sources").contains("changed") {
             let words = "the program was built from sources that were not committed";
             conditions.doubts.push(words.into());
         }
-        let slow = conditions.profiles.iter().filter(|profile| *profile != "release");
+        let profiles = provenances.iter().filter_map(|fields| fields.get("profile")?.as_str());
+        // A merged record lists the values of its parts in one text.
+        let mut profiles: BTreeSet<&str> = profiles.flat_map(|text| text.split(", ")).collect();
+        profiles.extend(said_by(&timed, ledger, "profile"));
+        let slow = profiles.iter().filter(|profile| !["", "release"].contains(profile));
         let slow = slow.map(|profile| format!("the program is a {profile} build"));
         conditions.doubts.extend(slow);
-        conditions.doubts.extend(programs(&timed, ledger));
         conditions
     }
 
@@ -170,27 +147,6 @@ fn worst<'a>(
     let shares = long.map(|span| (&*span.scene, part(span) / span.seconds));
     let much = shares.filter(|(_, share)| *share > IN_A_SCENE * limit);
     much.max_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-/// Finds programs of one name but different contents that one subject used on one machine. Builds
-/// timed in turns are different subjects.
-fn programs(timed: &[&Row], ledger: &Ledger) -> Vec<String> {
-    let mut sums: BTreeMap<_, BTreeSet<&str>> = BTreeMap::new();
-    for row in timed {
-        let process = row.process.as_ref().and_then(|id| ledger.processes.get(id));
-        for file in process.into_iter().flat_map(|process| &process.files) {
-            let who = (&row.id.machine, &row.id.detector, &row.id.detector_params, &*file.name);
-            sums.entry(who).or_default().extend(file.sha256.as_deref());
-        }
-    }
-    let mut several: BTreeMap<&str, usize> = BTreeMap::new();
-    for ((.., name), sums) in sums.iter().filter(|(_, sums)| sums.len() > 1) {
-        let most = several.entry(name).or_default();
-        *most = sums.len().max(*most);
-    }
-    let words =
-        |(name, count)| format!("{count} different programs of the name {name} were at work");
-    several.into_iter().map(words).collect()
 }
 
 /// Returns the values of a build property in the programs that ran our detectors; several values
