@@ -192,8 +192,7 @@ pub fn hold(axes: [bool; 3], images: Option<&[[i32; 3]]>) -> anyhow::Result<()> 
     if let Some(k) = images.iter().position(open) {
         let (image, axes) = (images[k].map(|s| s.to_string()).join(","), along(axes));
         bail!(
-            "pair {k} of the list (from 0) names the image {image}, and the box repeats along \
-             {axes}; give --periodic with all axes along which it repeats"
+            "pair {k} (from 0) names the image {image}; the box repeats along {axes}: --periodic"
         );
     }
     Ok(())
@@ -301,7 +300,7 @@ impl Boundaries {
         ensure!(axes == of_discs(axes), "discs repeat along x and y; leave z out of --periodic");
         ensure!(
             self.open || self.edges.is_none() || axes.contains(&true),
-            "the file declares its box open; give the periodic axes of --box, as in --periodic xyz"
+            "the file declares its box open; give the axes of --box: --periodic xyz"
         );
         Ok(axes)
     }

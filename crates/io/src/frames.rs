@@ -91,10 +91,7 @@ impl Choice {
         let is_first = std::mem::replace(&mut self.seen, index + 1) == 0;
         Ok(match self.frame {
             FrameChoice::Only if !is_first => {
-                bail!(
-                    "{}: a second frame begins; choose one with --frame 0 to --frame last",
-                    place()
-                )
+                bail!("{}: a second frame begins; choose one with --frame K", place())
             }
             FrameChoice::Only | FrameChoice::Last | FrameChoice::All => Step::Keep,
             FrameChoice::Number(k) if k == index => Step::Keep,

@@ -248,10 +248,7 @@ impl Which {
         };
         match found[..] {
             [k] => Ok(k),
-            [] => bail!(
-                "{place}: {key}={name}: there is no such column among {}",
-                listed(&columns.names)
-            ),
+            [] => bail!("{place}: {key}={name}: no such column among {}", listed(&columns.names)),
             _ => bail!("{place}: {key}={name}: several columns have that name; give a number"),
         }
     }

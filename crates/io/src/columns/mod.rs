@@ -137,8 +137,7 @@ impl Columns {
             let names: Vec<String> = self.names.iter().map(|name| short(name)).take(8).collect();
             ensure!(
                 self.has(Column::Axis(axis)),
-                "{place}: there is no column '{name}' among '{}'; name the columns x,y[,z][,r] with \
-                 commas, semicolons, tabs or blanks between, or give --columns x=NAME,y=NAME",
+                "{place}: there is no column '{name}' among '{}'; give --columns x=NAME,y=NAME",
                 names.join("', '")
             );
         }

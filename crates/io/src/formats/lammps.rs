@@ -15,7 +15,7 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::boxes::{bound, in_order};
-use crate::columns::{Column, Columns};
+use crate::columns::Columns;
 use crate::options::Options;
 use crate::particles::Loaded;
 use crate::raw::lines::{Lines, Source, short, words};
@@ -70,9 +70,7 @@ pub fn read(source: Source<'_>, options: Options) -> anyhow::Result<Loaded> {
             let style = style.filter(|style| !style.is_empty());
             let mut rows = atoms(&mut lines, n, style, options)?;
             let Rows { columns, particles } = &mut rows;
-            let hybrid = style.is_some_and(|style| style.starts_with("hybrid"));
-            let doubtful = style.is_none() && n > 0 || hybrid && particles.has_radii();
-            if doubtful && options.columns.is_none() {
+            if style.is_none() && n > 0 && options.columns.is_none() {
                 particles.notices.push(assumed!(
                     "the atom style does not name the columns; they are read as {}; --columns \
                      changes this",
@@ -140,7 +138,7 @@ fn atoms(
 ) -> anyhow::Result<Rows> {
     let place = lines.place();
     let chosen = options.axes_chosen();
-    let styled = style.map(|style| styled(style, options));
+    let styled = style.map(|style| styled(style));
     let mut rows = match styled {
         Some(Ok(columns)) => Some(columns.rows(&place, options)?),
         // An unknown style does not matter if the options choose the columns.
@@ -165,35 +163,12 @@ fn atoms(
     Ok(rows.unwrap_or_else(|| Rows::none("x y z")))
 }
 
-fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {
-    let of = |style: &str| STYLES.iter().find(|(name, _)| *name == style).map(|(_, names)| *names);
-    let mut parts = style.split_whitespace();
-    let mut columns = match parts.next() {
-        Some("hybrid") => {
-            let mut names: Vec<&str> = "id type x y z".split(' ').collect();
-            // The columns after an unknown part of the style are unknown, too.
-            for part in parts.map_while(of) {
-                let new: Vec<&str> = part.split(' ').filter(|name| !names.contains(name)).collect();
-                names.extend(new);
-            }
-            Columns::named(names)
-        }
-        _ => match of(style) {
-            Some(names) => Columns::named(names.split(' ')),
-            None => bail!(
-                "the atom style '{}' is not supported; assign the columns, as in --columns x=3,y=4,z=5",
-                short(style)
-            ),
-        },
-    };
-    // Old versions of LAMMPS order the columns of hybrid styles differently, so a radius from the
-    // options takes precedence.
-    if style.starts_with("hybrid") && options.radius.is_some() {
-        let sizes = columns.meaning.iter_mut().filter(|it| **it == Column::Diameter);
-        sizes.for_each(|meaning| *meaning = Column::Other);
-    }
-    columns.or_more = true;
-    Ok(columns)
+fn styled(style: &str) -> anyhow::Result<Columns> {
+    let found = STYLES.iter().find(|(name, _)| *name == style);
+    let (_, names) = found.with_context(|| {
+        format!("the atom style '{}' is not supported; give --columns x=3,y=4,z=5", short(style))
+    })?;
+    Ok(Columns { or_more: true, ..Columns::of(names) })
 }
 
 fn unstyled(count: usize) -> anyhow::Result<Columns> {
@@ -201,9 +176,8 @@ fn unstyled(count: usize) -> anyhow::Result<Columns> {
         5 => "id type x y z",
         6 => "id other type x y z",
         _ => bail!(
-            "{count} columns, and no atom style behind 'Atoms'; write it there, as in 'Atoms # \
-             sphere', or assign the columns, as in --columns x=3,y=4,z=5,d=6"
+            "{count} columns, and no style as in 'Atoms # sphere'; give --columns x=3,y=4,z=5"
         ),
     };
-    Ok(Columns { or_more: true, ..Columns::named(names.split(' ')) })
+    Ok(Columns { or_more: true, ..Columns::of(names) })
 }

@@ -20,10 +20,7 @@ const MAGICS: [(&str, &[u8]); 12] = [
 pub fn refuse(head: &[u8], file: &str) -> anyhow::Result<()> {
     let is_it = |(_, magic): &&(&str, &[u8])| head.trim_ascii_start().starts_with(magic);
     if let Some((name, _)) = MAGICS.iter().find(is_it) {
-        bail!(
-            "{file} is {name}, not a format that contactbench reads; docs/FILES.md lists those, \
-             and docs/PYTHON.md converts others"
-        );
+        bail!("{file} is {name}, which is not read: see docs/FILES.md and docs/PYTHON.md");
     }
     Ok(())
 }

@@ -90,19 +90,12 @@ impl Arrays {
     fn table(&mut self, name: &str) -> anyhow::Result<List> {
         let good = self.tables.iter().filter(|(_, list)| list.is_ok()).count();
         let all: Vec<&str> = self.tables.iter().map(|(label, _)| &**label).collect();
-        ensure!(
-            good <= 1,
-            "{name}: several arrays may hold the pairs: {}; name two i and j, or keep one",
-            listed(&all)
-        );
+        ensure!(good <= 1, "{name}: several arrays may hold the pairs: {}; keep one", listed(&all));
         let which = self.tables.iter().position(|(_, list)| list.is_ok() || good == 0);
         let Some(k) = which else {
             let mut all = std::mem::take(&mut self.names);
             all.append(&mut self.others);
-            bail!(
-                "{name} holds no arrays i and j, and none of shape (pairs, 2); there are: {}",
-                listed(&all)
-            )
+            bail!("{name} has no arrays i and j, and none (pairs, 2); there are: {}", listed(&all))
         };
         Ok(List { format: "NumPy npz", ..self.tables.swap_remove(k).1? })
     }

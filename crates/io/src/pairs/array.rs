@@ -108,10 +108,7 @@ impl Rows for Array<'_> {
         };
         let Some(shape) = Shape::of(&header, choice.is_all()) else {
             let (name, shape) = (self.source.name, npy::shape(&header.sizes));
-            bail!(
-                "{name}: the shape is {shape}; pairs have the shape (pairs, 2) or (2, pairs), with images \
-                 (pairs, 4 or 5); with --frame all, the frame may stand before these"
-            )
+            bail!("{name}: the shape is {shape}, not (pairs, 2) or (2, pairs), or (pairs, 4 or 5)")
         };
         choice.sparse = shape.framed;
         if shape.turned {

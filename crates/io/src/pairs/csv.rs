@@ -3,7 +3,7 @@
 //! The columns are named by a header, which may be a comment, or are the first ones. Comments start
 //! with `#` or, as in MATLAB, with `%`, and may follow a row.
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
 use super::Rows;
 use super::columns::Columns;
@@ -97,11 +97,12 @@ impl<'a> Csv<'a> {
             let numbers = || (1..=cells.len()).map(|k| k.to_string()).collect();
             let names = if header { names } else { numbers() };
             let named = Columns::named(&names, chosen, place)?;
-            ensure!(
-                named.is_some() || !header,
-                "{lines}: which columns hold the pair? Give --pairs-columns I,J, or write i,j"
-            );
-            let columns = named.unwrap_or_else(|| Columns::bare(names.len()));
+            let columns = match named {
+                None if header => {
+                    bail!("{lines}: which columns hold the pair? --pairs-columns I,J")
+                }
+                named => named.unwrap_or_else(|| Columns::bare(names.len())),
+            };
             self.layout = Layout { separator, columns: Some(columns), label };
             self.ahead = !header;
         }

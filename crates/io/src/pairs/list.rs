@@ -39,7 +39,7 @@ impl List {
         let z = if dim == 2 { "" } else { ",SZ" };
         ensure!(
             self.images.is_some() || !self.unnamed,
-            "{} may be images; give --pairs-columns I,J,SX,SY{z} if so, otherwise --pairs-columns I,J",
+            "{} may be images; give --pairs-columns I,J[,SX,SY{z}]",
             columns_of(&self.others)
         );
         Ok(())

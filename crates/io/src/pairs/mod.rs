@@ -9,7 +9,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
 use crate::formats::{npy, unread};
 use crate::frames::{Choice, Once, Reader, Step, Stream};
@@ -100,10 +100,7 @@ fn open<'a>(
         return Ok(Box::new(Once::new(move || archive::read(source, columns))));
     }
     let is_text = !head.contains(&0);
-    ensure!(
-        is_text,
-        "{name} is binary, and no npy or npz; write the pairs as CSV with a header i,j"
-    );
+    ensure!(is_text, "{name} is binary, and no npy or npz; write CSV with a header i,j");
     let lines = Lines::new(source);
     if head.starts_with(b"ITEM:") {
         return Ok(Box::new(dump::Dump::new(lines, columns)));
@@ -158,12 +155,9 @@ impl<R: Rows> Reader<List> for RowReader<R> {
             if choice.sparse {
                 let what = if choice.by_step { "step" } else { "frame" };
                 let after = last.replace(label).filter(|&last| last > label);
-                let (sorted, last) = (after.is_none(), after.unwrap_or_default());
-                let place = rows.place();
-                ensure!(
-                    sorted,
-                    "{place}: {what} {label} stands after {what} {last}; sort the rows by {what}"
-                );
+                if let Some(last) = after {
+                    bail!("{}: {what} {label} stands after {last}; sort the rows", rows.place());
+                }
                 let index = if choice.by_step { choice.seen } else { label as u64 };
                 list.frame = Some(index);
                 list.step = choice.by_step.then_some(label);

@@ -37,8 +37,7 @@ impl Given {
         match self.lattice {
             None => Ok(self.scene),
             Some(lattice) => bail!(
-                "{name}: the scene repeats along {}, and here boundaries are open; take it without \
-                 its box (of a file: --open)",
+                "{name}: it repeats along {}; leave out its box: --open",
                 along(lattice.periodic())
             ),
         }

@@ -166,11 +166,8 @@ impl Particles {
 
     pub fn scene(self, name: &str, radius: Option<f64>) -> anyhow::Result<AnyScene<'static>> {
         if let Some(lattice) = &self.lattice {
-            bail!(
-                "{name}: the box repeats along {}, and here boundaries are open; give --open to \
-                 leave out contacts across it",
-                along(lattice.periodic())
-            );
+            let axes = along(lattice.periodic());
+            bail!("{name}: the box repeats along {axes}; --open leaves out contacts across it");
         }
         self.given(name, radius).map(|given| given.scene)
     }

@@ -70,14 +70,10 @@ impl<'a> Lines<'a> {
             self.line.pop();
         }
         if self.line.contains(&b'\r') {
-            bail!(
-                "{self}: a line ends in a carriage return alone; write line feeds: tr '\\r' '\\n'"
-            );
+            bail!("{self}: a line ends in a carriage return; write line feeds: tr '\\r' '\\n'");
         }
         if self.line.len() > LONGEST_LINE {
-            bail!(
-                "{self}: the line is longer than {LONGEST_LINE} bytes; this is not a particle file"
-            );
+            bail!("{self}: the line is longer than {LONGEST_LINE} bytes; this is no text");
         }
         Ok(more)
     }

@@ -40,20 +40,15 @@ impl Framed<'_> {
                 writeln!(self.out, "{frame}{}", names.join(","))?;
             }
             None => self.form = Form::of(style),
-            Some(before) => ensure!(
-                *before == names,
-                "frame {k}: the columns are {}, and {} in the frame before: the box, or the \
-                 dimension, comes and goes; give --open, or write frame by frame",
-                names.join(","),
-                before.join(",")
-            ),
+            Some(before) => {
+                ensure!(*before == names, "frame {k}: other columns than before; give --open")
+            }
         }
         self.names = Some(names);
         let most = self.form.npy().1;
         ensure!(
             self.is_text || k <= most && style.scene.len() as u64 <= most,
-            "frame {k}: npy files of pairs hold numbers to {most}, and there are more frames or \
-             particles; write .csv"
+            "frame {k}: npy files of pairs hold numbers to {most}; write .csv"
         );
         let mut row = Vec::new();
         let mut write = |contact: ImagePair| {
@@ -162,10 +157,7 @@ pub fn framed<T>(
             io::copy(&mut rows, out)?;
             Ok(done)
         }),
-        PairFormat::Vtk => bail!(
-            "{}: lines of several frames are written one by one: give --frame K, or .csv or .npy",
-            path.display()
-        ),
+        PairFormat::Vtk => bail!("{}: give --frame K, or .csv or .npy", path.display()),
     };
     done.map_err(|error| of_file(error, path))
 }

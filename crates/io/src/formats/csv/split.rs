@@ -98,10 +98,7 @@ impl Split {
         if first {
             let (place, name, found) = (place(), short(&self.name), shown(cell));
             let sound = !cell.is_empty() && number(cell).is_none_or(f64::is_finite);
-            ensure!(
-                sound,
-                "{place}: column '{name}': '{found}' is not a frame or a time; give --columns frame=none"
-            );
+            ensure!(sound, "{place}: '{found}' is not a {name}; give --columns frame=none");
             (self.value, self.rows) = (cell.to_vec(), 1);
             for (k, value) in self.beside.iter_mut().flatten() {
                 *value = cells.clone().nth(*k).map(<[u8]>::to_vec);
@@ -121,15 +118,14 @@ impl Split {
         if *self.order.get_or_insert(order) != order {
             let (after, before) = (shown(cell), shown(&self.value));
             bail!(
-                "{place}: the rows are not sorted by '{name}', which splits them into frames: '{after}' \
-                 comes after '{before}'; sort them by that column, or give --columns frame=none"
+                "{place}: {name} {after} comes after {before}; sort, or give --columns frame=none"
             );
         }
         // The end of the first frame shows whether each row has its own value.
         let sure = !std::mem::take(&mut self.doubtful) || self.rows > 1;
         ensure!(
             sure,
-            "{place}: the first rows differ in '{name}'; --columns frame={name} or frame=none"
+            "{place}: the first rows differ in '{name}'; give --columns frame={name} or none"
         );
         Ok(true)
     }

@@ -50,17 +50,9 @@ impl<'a> Headers<'a> {
             }
             let of = item.strip_prefix("NUMBER OF ").unwrap_or(item);
             match of.split(' ').next() {
-                Some("ENTRIES") if *section == "ATOMS" => {
-                    bail!(
-                        "{place}: this is a dump of pairs, not of atoms; give it to verify --pairs"
-                    )
+                Some(other @ ("ENTRIES" | "GRID" | "DIMENSION" | "ATOMS")) if other != *section => {
+                    bail!("{place}: this is a dump of {other}, not of {section}")
                 }
-                Some("GRID" | "DIMENSION") if *section == "ATOMS" => bail!(
-                    "{place}: this is a dump of grid cells, not of atoms; write one of style custom"
-                ),
-                Some("ATOMS") if *section == "ENTRIES" => bail!(
-                    "{place}: this is a dump of atoms, not of pairs; write pairs with dump local"
-                ),
                 _ => next(lines)?,
             }
             match item {
@@ -100,8 +92,7 @@ fn bounds(lines: &mut Lines<'_>, kind: &str, boundaries: Boundaries) -> anyhow::
     let flags = short(&flags.join(" "));
     ensure!(
         sound,
-        "{lines}: the boundaries of the box are '{flags}', not pp or two of the letters f, s and m for \
-         each axis; fix the line, or give --periodic or --open"
+        "{lines}: the boundaries are '{flags}', not pp, ff, ...; give --periodic or --open"
     );
     let mut rows = [[0.0; 4]; 3];
     for row in &mut rows {
@@ -110,8 +101,7 @@ fn bounds(lines: &mut Lines<'_>, kind: &str, boundaries: Boundaries) -> anyhow::
         let count = cells.len();
         ensure!(
             count == columns || overruled && count > columns,
-            "{place}: numbers of the box: {count}, where {columns} are expected ({what}); fix it, or \
-             give --open"
+            "{place}: {count} numbers where {columns} are expected ({what}); fix it, or give --open"
         );
         for (k, (value, cell)) in row.iter_mut().zip(&cells[..columns]).enumerate() {
             *value = bound(cell, k, lines)?;

@@ -61,7 +61,7 @@ impl Header {
             [_] | [_, _] => Ok(()),
             // Empty frames need no bytes, so a false header could announce any number of them.
             [count, rows, 2..=4] if frames && count.min(rows) > 0 => Ok(()),
-            _ => bail!("the shape is {shape}; it must be that of rows: (N, 2), (N, 3) or (N, 4)"),
+            _ => bail!("the shape is {shape}; it must be that of rows: (N, 2 to 4)"),
         }
     }
 
@@ -205,9 +205,7 @@ pub(crate) fn any_header(source: &mut Source<'_>) -> anyhow::Result<Header> {
     let wide = match start[6] {
         1 => 2,
         2 | 3 => 4,
-        version => bail!(
-            "{name} is npy version {version}; versions 1 to 3 are read: write it with numpy.save"
-        ),
+        version => bail!("{name} is npy version {version}; versions 1 to 3 are read"),
     };
     let mut length = [0; 4];
     need(&mut length[..wide])?;

@@ -33,7 +33,7 @@ pub fn particles(
     let rows = header.rows;
     let Some(columns @ 2..=4) = header.columns else {
         bail!(
-            "{name}: the shape is {}; it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the radius last",
+            "{name}: the shape is {}; it must be (N, 2 to 4): x, y, z, radius",
             shape(&header.sizes)
         )
     };
@@ -93,7 +93,7 @@ pub fn zip(axes: [Option<Vec<f64>>; 3], name: &str) -> anyhow::Result<Particles>
     };
     ensure!(
         y.len() == x.len() && z.as_ref().is_none_or(|z| z.len() == x.len()),
-        "{name}: the arrays x, y, z and r are not of the same length"
+        "{name}: x, y and z differ in length"
     );
     let mut particles = Particles::new(2 + usize::from(z.is_some()), false);
     for (k, (&x, &y)) in x.iter().zip(&y).enumerate() {

@@ -111,13 +111,9 @@ impl Scenes {
             (&[_] | &[_, 1], Column::Axis(k)) => {
                 self.axes[k] = Some(npy::list(source, &mut header, label, column)?);
             }
-            (_, Column::Axis(_)) => bail!(
-                "{}: '{}' is {}; x, y and z have one number for each particle, shape (N,); frames \
-                 are one array of shape (frames, N, 3): numpy.stack([x, y, z], axis=-1)",
-                source.name,
-                short(label),
-                header.words()
-            ),
+            (_, Column::Axis(_)) => {
+                bail!("{}: x, y, z have the shape (N,); frames are one (frames, N, 3)", source.name)
+            }
             _ => self.others.push(label.to_string()),
         }
         Ok(())
@@ -145,10 +141,7 @@ impl Scenes {
             (Some(label), _) => {
                 bail!("{name} holds points in '{label}' and in x, y, z, too; keep one of them")
             }
-            (None, _) => bail!(
-                "{name} holds neither arrays x and y nor one of shape (N, 2) to (N, 4), or \
-                 (frames, N, 2) to (frames, N, 4), in f8 or f4"
-            ),
+            (None, _) => bail!("{name} has no arrays x and y, and none ([frames,] N, 2 to 4)"),
         }
     }
 
@@ -200,11 +193,7 @@ fn of_frame(size: &mut Array, n: usize, frame: Option<[u64; 2]>) -> anyhow::Resu
             values.extend(&all[k as usize * n..][..n]);
         }
         _ if all.len() == 1 => values.resize(n, all[0]),
-        _ => bail!(
-            "{n} points, but '{}' has the shape {}; write one number, or shape ({n},)",
-            short(label),
-            npy::shape(&shape)
-        ),
+        _ => bail!("{n} points, but '{}' has the shape {}", short(label), npy::shape(&shape)),
     }
     for (k, value) in values.iter_mut().enumerate() {
         let of = column.value(*value);

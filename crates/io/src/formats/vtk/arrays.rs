@@ -40,8 +40,7 @@ impl Cells {
             let sized = options.radius.is_some() || options.sizes_chosen();
             ensure!(
                 sized,
-                "{name}: the points are the corners of {what}; save the particles before a Glyph filter, \
-                 or give --radius R or --columns r=NAME to take each corner as a particle"
+                "{name}: the points are corners of {what}; give --radius or --columns r=NAME"
             );
             notices.push(assumed!("the corners of {what} are taken as particles"));
         } else if lines > 0 {
@@ -251,11 +250,7 @@ impl Arrays {
         let ghosts = self.ghosts;
         ensure!(ghosts == 0, "{name}: {ghosts} of the points are ghosts; save the data without");
         if let Some(chosen) = options.columns {
-            let sizes = !chosen.axes();
-            ensure!(
-                sizes,
-                "{name}: {format} has its own points; choose only a size: r=NAME or d=NAME"
-            );
+            ensure!(!chosen.axes(), "{name}: {format} has its own points; choose a size, r=NAME");
             let sizes = self.sizes.iter().map(|size| &size.label);
             let names: Vec<&String> = sizes.chain(&self.others).collect();
             chosen.among(&names, name)?;

@@ -134,11 +134,7 @@ impl Vtk<'_> {
                 let kind = if self.binary { Scalar::U8 } else { Scalar::F64 };
                 self.array(Target::Nothing, kind, 4 * n, "LOOKUP_TABLE")?;
             }
-            _ => bail!(
-                "{}: '{}' is not part of a VTK file; is the length of an array before it wrong?",
-                self.lines.place(),
-                short(&self.lines.text())
-            ),
+            _ => bail!("{}: '{}' is no part of a VTK file", self.lines.place(), short(first)),
         }
         Ok(())
     }

@@ -97,15 +97,11 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
         let first = words(line).next().unwrap_or_default();
         let named = !unsure || number(first).is_none_or(|value| value.fract() == 0.0);
         let first = shown(first);
-        ensure!(
-            named,
-            "{lines}: '{first}' is not a species; assign the columns: --columns x=1,y=2,z=3,r=4"
-        );
+        ensure!(named, "{lines}: '{first}' is not a species; give --columns x=1,y=2,z=3,r=4");
         let many = words(line).count() > rows.columns.names.len();
         ensure!(
             !unsure || options.radius.is_some() || !many,
-            "{lines}: a plain XYZ file has 4 columns; give --radius R to skip the others, or name them \
-             in line 2 as in Properties=species:S:1:pos:R:3:radius:R:1"
+            "{lines}: plain XYZ has 4 columns; give --radius R, or Properties in line 2"
         );
         rows.push(line, lines)?;
     }
