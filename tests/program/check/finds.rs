@@ -97,7 +97,7 @@ const SHORT: Duration = Duration::from_millis(500);
 
 fn found(entry: &'static Entry, arithmetics: &[Arithmetic], deadline: Duration) -> Failure {
     let limits = Limits { seeds: 1, deadline, ..Limits::default() };
-    let mut report = check::check(&[entry], arithmetics, &limits).unwrap();
+    let mut report = check::battery(&[entry.into()], arithmetics, &limits).unwrap();
     assert_eq!(report.failures.len(), 1, "{}", entry.name);
     report.failures.remove(0)
 }

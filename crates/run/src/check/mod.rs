@@ -1,9 +1,8 @@
 //! Checks detectors against the truth on many small scenes, in 2D and 3D, in several arithmetics.
 //!
-//! [`check`] uses every generator with many seeds. [`battery`] adds the hard cases, the committed
-//! regressions and random bytes. A detector keeps its buffers from scene to scene, so errors caused
-//! by earlier scenes are found, too. Each detector runs in a thread ([`subject`]), so endless
-//! loops are found. If a detector is wrong, the scene is simplified ([`shrink`](mod@shrink)) while
+//! [`battery`] uses every generator with many seeds, the hard cases, the committed regressions and
+//! random bytes. A detector keeps its buffers from scene to scene, so errors caused by earlier
+//! scenes are found, too. Each detector runs in a thread ([`subject`]), so endless loops are found. If a detector is wrong, the scene is simplified ([`shrink`](mod@shrink)) while
 //! a fresh detector is still wrong, and written as a [`regression`] file.
 //!
 //! A detector in another language is a [`process`] that speaks the runner protocol, or a function
@@ -32,7 +31,6 @@ use shrink::Effort;
 use subject::CheckedSubject;
 pub use wrong::{Differences, Wrong};
 
-use contactbench_detectors::table::Entry;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
 use contactbench_io::Given;
@@ -114,23 +112,6 @@ pub struct Failure {
     /// The error on `smallest`. `None` if a fresh detector is right there, so that earlier scenes
     /// caused the error.
     pub wrong: Option<Wrong>,
-}
-
-/// Checks detectors on generated scenes, with seeds 1, 2, ... until a limit is reached.
-pub fn check(
-    detectors: &[&'static Entry],
-    arithmetics: &[Arithmetic],
-    limits: &Limits,
-) -> anyhow::Result<Report> {
-    let subjects: Vec<CheckedSubject> =
-        detectors.iter().copied().map(CheckedSubject::from).collect();
-    let mut checker = Checker::new(&subjects, arithmetics, limits)?;
-    for seed in 1..=limits.seeds {
-        if !checker.all(cases::generated(seed), seed > 1)? {
-            break;
-        }
-    }
-    Ok(checker.report)
 }
 
 /// Checks subjects on generated scenes with the first seed, hard cases with their history, and
