@@ -1,5 +1,5 @@
-//! Particles of a scene in its box, their gaps, and nearest images. Open space is treated as a box
-//! without periodic vectors.
+//! Particles of a scene in its box, and their gaps. Open space is treated as a box without periodic
+//! vectors.
 
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::{ImagePair, Periodic, depth};
@@ -38,30 +38,4 @@ pub fn particle(scene: &AnyScene<'_>, k: u32) -> ([f64; 3], f64) {
 pub fn gap(periodic: &Periodic<'_>, pair: ImagePair) -> f64 {
     let [a, b] = [pair.i, pair.j].map(|k| particle(periodic.scene(), k).1);
     -depth(periodic, pair) * 0.5 * (a + b)
-}
-
-/// Returns the image of j nearest to i. For i = j it is the nearest other image. In very skewed
-/// boxes a nearer image may exist.
-pub fn nearest(periodic: &Periodic<'_>, [i, j]: [u32; 2]) -> ImagePair {
-    let ([a, b], lattice) = ([i, j].map(|k| particle(periodic.scene(), k).0), periodic.lattice());
-    let axes = lattice.periodic();
-    let about: [i32; 3] = std::array::from_fn(|v| {
-        let dual = lattice.dual(v);
-        let at: f64 = (0..3).map(|k| (a[k] - b[k]) * dual[k]).sum();
-        if axes[v] { at.round().clamp(-1e9, 1e9) as i32 } else { 0 }
-    });
-    let steps = |v: usize| if axes[v] { -1..=1 } else { 0..=0 };
-    let mut best = (f64::NEG_INFINITY, ImagePair::new(i, j, about));
-    for x in steps(0) {
-        for y in steps(1) {
-            for z in steps(2) {
-                let pair = ImagePair::new(i, j, [about[0] + x, about[1] + y, about[2] + z]);
-                let depth = depth(periodic, pair);
-                if depth > best.0 && !(i == j && pair.image == [0; 3]) {
-                    best = (depth, pair);
-                }
-            }
-        }
-    }
-    best.1
 }

@@ -1,6 +1,7 @@
-//! Displacements of particles from one frame to the next, to the nearest image in a periodic box.
+//! Displacements of particles from one frame to the next, to the nearest image in a periodic box,
+//! and the nearest images of pairs.
 
-use contactbench_ground::periodic::Periodic;
+use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_ground::scene::{AnyScene, Lattice};
 use contactbench_lists::track::distance_bound;
 use contactbench_scenes::touching::particle;
@@ -20,6 +21,12 @@ pub fn displacements(last: &Periodic<'_>, frame: &Periodic<'_>) -> Option<Vec<f6
         if from == to { 0.0 } else { distance_bound(&from, &to) }
     };
     Some(centres(a).zip(centres(b)).map(moved).collect())
+}
+
+/// Returns the image of j nearest to i.
+pub(crate) fn nearest(periodic: &Periodic<'_>, [i, j]: [u32; 2]) -> ImagePair {
+    let [a, b] = [i, j].map(|k| particle(periodic.scene(), k).0);
+    ImagePair::new(i, j, Nearest::new(periodic.lattice()).by(b, a))
 }
 
 fn centres(scene: &AnyScene<'_>) -> impl Iterator<Item = [f64; 3]> {

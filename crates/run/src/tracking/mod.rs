@@ -25,6 +25,7 @@ use contactbench_scenes::touching::in_any_box;
 use crate::truth;
 pub use builds::Builds;
 pub use contactbench_terms::moved::{Displacements, Moved};
+pub(crate) use displacement::nearest;
 pub use late::Late;
 pub use recorded::Recorded;
 pub use survey::Survey;

@@ -1,10 +1,11 @@
 //! Compares a contact list with the true contacts.
 
+use crate::tracking::nearest;
 use crate::truth::{Difference, differences};
 use crate::verify::listing::Listing;
 use contactbench_detectors::oracle::Errors;
 use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, depth};
-use contactbench_scenes::touching::{gap, nearest};
+use contactbench_scenes::touching::gap;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Taken {

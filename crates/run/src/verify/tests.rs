@@ -1,4 +1,5 @@
 use super::*;
+use crate::tracking::nearest;
 use contactbench_detectors::oracle::boxes::BRUTE_FORCE;
 use contactbench_detectors::table;
 use contactbench_ground::detect::Options;
@@ -6,7 +7,7 @@ use contactbench_ground::periodic::depth;
 use contactbench_ground::scene::{AnyScene, Lattice};
 use contactbench_lists::periodic;
 use contactbench_scenes::spec::Spec;
-use contactbench_scenes::touching::{in_open_space, nearest, particle};
+use contactbench_scenes::touching::{in_open_space, particle};
 
 const GIVEN: Allowed = Allowed { both_sides: false, skin: 0.0 };
 const BOTH: Allowed = Allowed { both_sides: true, skin: 0.0 };
