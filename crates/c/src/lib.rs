@@ -14,7 +14,7 @@ use std::sync::Once;
 
 use contactbench_detectors::oracle;
 use contactbench_detectors::oracle::Errors;
-use contactbench_detectors::oracle::boxes;
+use contactbench_detectors::oracle::loaded::{depth, truth};
 use contactbench_detectors::spec;
 use contactbench_detectors::table;
 use contactbench_detectors::tracker::TrackerSpec;
@@ -22,7 +22,6 @@ use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
 use contactbench_ground::limits::memory;
 use contactbench_ground::limits::refusal::reserve;
-use contactbench_ground::periodic;
 use contactbench_ground::periodic::ImagePair;
 use contactbench_ground::periodic::Loaded;
 use given::{Failure, Given, rows};
@@ -336,30 +335,20 @@ fn held(
 ) -> Result<contactbench_errors, Failure> {
     let limit = memory::limit_for(given.scene.len());
     let loaded = Loaded::new(&given.scene, given.lattice, arithmetic)?;
-    let (contacts, found) = match &loaded {
-        Loaded::Open(scene) => {
-            let truth = oracle::truth_as_stored(scene, arithmetic.test(), limit)?.pairs;
-            let mut pairs = copied(pairs.iter().copied())?;
-            contactbench_ground::pairs::normalise::normalise(&mut pairs);
-            (truth.len(), oracle::compare(&pairs, &truth, scene))
-        }
-        Loaded::InBox(scene) => {
-            let truth = boxes::truth(scene, arithmetic, limit)?.pairs;
-            let named = pairs.iter().zip(images.chunks(given.scene.dim()));
-            let mut pairs = copied(named.map(|(&[i, j], image)| {
-                let at = |k| image.get(k).copied().unwrap_or(0);
-                ImagePair::new(i, j, std::array::from_fn(at))
-            }))?;
-            pairs.sort_unstable();
-            let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
-            let depth = |pair| periodic::depth(scene, pair);
-            (truth.len(), oracle::compare_by(&pairs, &truth, of_itself, depth))
-        }
-    };
+    let (truth, dim) = (truth(&loaded, arithmetic, limit)?.pairs, given.scene.dim());
+    let mut listed = Vec::new();
+    reserve(&mut listed, pairs.len())?;
+    listed.extend(pairs.iter().enumerate().map(|(k, &[i, j])| {
+        let image = images.get(k * dim..(k + 1) * dim).unwrap_or_default();
+        let along = |axis| image.get(axis).copied().unwrap_or(0);
+        ImagePair::new(i, j, std::array::from_fn(along))
+    }));
+    listed.sort_unstable();
+    let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
+    let found = oracle::compare_by(&listed, &truth, of_itself, |pair| depth(&loaded, pair));
     let Errors { missed, spurious, duplicate, self_pairs, deepest_miss, widest_false } = found;
-    let contacts = contacts as u64;
     Ok(contactbench_errors {
-        contacts,
+        contacts: truth.len() as u64,
         missed,
         spurious,
         duplicate,
@@ -367,11 +356,4 @@ fn held(
         deepest_miss,
         widest_false,
     })
-}
-
-fn copied<T>(pairs: impl ExactSizeIterator<Item = T>) -> Result<Vec<T>, Failure> {
-    let mut copy = Vec::new();
-    reserve(&mut copy, pairs.len())?;
-    copy.extend(pairs);
-    Ok(copy)
 }

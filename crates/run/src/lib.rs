@@ -6,5 +6,4 @@ pub mod plan;
 pub mod recommend;
 pub mod run;
 pub mod tracking;
-pub mod truth;
 pub mod verify;

@@ -3,6 +3,7 @@
 use contactbench_detectors::oracle;
 use contactbench_detectors::oracle::NoTruth;
 use contactbench_detectors::oracle::boxes::Truth;
+use contactbench_detectors::oracle::loaded::truth;
 use contactbench_detectors::spec::DetectorSpec;
 use contactbench_detectors::table::TABLE;
 use contactbench_ground::contact::{Arithmetic, exact};
@@ -15,7 +16,6 @@ use contactbench_run::check::answer::{Answer, Expected, answer};
 use contactbench_run::check::bytes::{nudged, scene_from_bytes};
 use contactbench_run::check::numbers::Numbers;
 use contactbench_run::check::{Wrong, as_csv};
-use contactbench_run::truth::truth;
 use contactbench_terms::must;
 
 /// Low memory limit, so that detectors refuse large arrays, which would slow a fuzzer down.

@@ -8,9 +8,11 @@
 //! Unit tests compare the contact test itself with arbitrary-precision arithmetic.
 
 pub mod boxes;
+pub mod loaded;
 
 pub use contactbench_terms::errors::{Causes, Errors};
 
+use self::loaded::{Difference, differences};
 use crate::table;
 use crate::table::Entry;
 use contactbench_ground::contact::depth::depth;
@@ -300,29 +302,19 @@ pub fn compare_by<C: Copy + Ord>(
     depth: impl Fn(C) -> f64,
 ) -> Errors {
     debug_assert!(reported.is_sorted() && truth.is_sorted());
-    let (mut errors, mut last) = (Errors::default(), None);
-    let mut miss = |pair: C| {
-        errors.missed += 1;
-        errors.deepest_miss = errors.deepest_miss.max(depth(pair));
-    };
-    let mut truth = truth.iter().copied().peekable();
-    for &pair in reported {
-        if last.replace(pair) == Some(pair) {
-            errors.duplicate += 1;
-            continue;
+    let mut errors = Errors::default();
+    differences(reported, truth, |kind, pair| match kind {
+        Difference::Missed => {
+            errors.missed += 1;
+            errors.deepest_miss = errors.deepest_miss.max(depth(pair));
         }
-        while let Some(missed) = truth.next_if(|&t| t < pair) {
-            miss(missed);
-        }
-        if truth.next_if_eq(&pair).is_some() {
-        } else if is_self(pair) {
-            errors.self_pairs += 1;
-        } else {
+        Difference::Repeated => errors.duplicate += 1,
+        Difference::Added if is_self(pair) => errors.self_pairs += 1,
+        Difference::Added => {
             errors.spurious += 1;
             errors.widest_false = errors.widest_false.max(-depth(pair));
         }
-    }
-    truth.for_each(miss);
+    });
     errors
 }
 

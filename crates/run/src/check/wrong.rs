@@ -1,7 +1,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use crate::truth::{Difference, differences};
+use contactbench_detectors::oracle::loaded::{Difference, differences};
 use contactbench_ground::pairs::sink::Digest;
 use contactbench_ground::periodic::ImagePair;
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-use crate::truth::{Difference, differences};
+use contactbench_detectors::oracle::loaded::{Difference, differences};
 use contactbench_ground::periodic::ImagePair;
 
 /// Contacts that were not reported in a frame in which they existed.

@@ -22,8 +22,8 @@ use contactbench_io::Given;
 use contactbench_lists::track::Tracker;
 use contactbench_scenes::touching::in_any_box;
 
-use crate::truth;
 pub use builds::Builds;
+use contactbench_detectors::oracle::loaded as truth;
 pub use contactbench_terms::moved::{Displacements, Moved};
 pub(crate) use displacement::nearest;
 pub use late::Late;

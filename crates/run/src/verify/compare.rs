@@ -1,9 +1,9 @@
 //! Compares a contact list with the true contacts.
 
 use crate::tracking::nearest;
-use crate::truth::{Difference, differences};
 use crate::verify::listing::Listing;
 use contactbench_detectors::oracle::Errors;
+use contactbench_detectors::oracle::loaded::{Difference, differences};
 use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, depth};
 use contactbench_scenes::touching::gap;
 

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use crate::run::judge::{Nothing, kept, nothing};
-use crate::truth::depth;
 use contactbench_detectors::oracle;
 use contactbench_detectors::oracle::boxes;
+use contactbench_detectors::oracle::loaded::depth;
 use contactbench_detectors::oracle::{Causes, Errors, NoTruth, compare_by};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::pairs::sink::Digest;

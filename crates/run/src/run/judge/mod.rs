@@ -14,7 +14,7 @@ use crate::run::machine::interrupt;
 use crate::run::runner::protocol::Found;
 use crate::run::runner::trajectory::Trajectory;
 use crate::tracking::{Builds, Late, Moved, Survey};
-use crate::truth::depth;
+use contactbench_detectors::oracle::loaded::depth;
 use contactbench_detectors::oracle::{Causes, Errors, NoTruth};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::pairs::sink::Digest;

@@ -1,6 +1,7 @@
-use contactbench_detectors::oracle;
-use contactbench_detectors::oracle::NoTruth;
-use contactbench_detectors::oracle::boxes::{self, Truth};
+//! The true contacts of a scene, in its box if it has one, and how a list differs from them.
+
+use super::boxes::{self, Truth};
+use super::{NoTruth, depth_of, touching as touching_in_open, truth_as_stored};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::limits::refusal::reserve;
 use contactbench_ground::periodic;
@@ -8,11 +9,14 @@ use contactbench_ground::periodic::Loaded;
 use contactbench_ground::periodic::{ImagePair, without_shift};
 
 /// Finds the true contacts, in ascending order; lists of them may use `limit` bytes.
+///
+/// # Errors
+/// Fails if there is no truth, or no memory.
 pub fn truth(scene: &Loaded<'_>, arithmetic: Arithmetic, limit: u64) -> Result<Truth, NoTruth> {
     match scene {
         Loaded::InBox(periodic) => boxes::truth(periodic, arithmetic, limit),
         Loaded::Open(stored) => {
-            let found = oracle::truth_as_stored(stored, arithmetic.test(), limit)?;
+            let found = truth_as_stored(stored, arithmetic.test(), limit)?;
             let mut pairs = Vec::new();
             reserve(&mut pairs, found.pairs.len())?;
             pairs.extend(without_shift(&found.pairs));
@@ -22,7 +26,10 @@ pub fn truth(scene: &Loaded<'_>, arithmetic: Arithmetic, limit: u64) -> Result<T
 }
 
 /// Finds the true contacts of the chosen particles, in ascending order.
-pub(crate) fn touching(
+///
+/// # Errors
+/// Fails if there is no truth, or no memory.
+pub fn touching(
     scene: &Loaded<'_>,
     arithmetic: Arithmetic,
     chosen: &[bool],
@@ -31,34 +38,33 @@ pub(crate) fn touching(
     match scene {
         Loaded::InBox(periodic) => boxes::touching(periodic, arithmetic, chosen, limit),
         Loaded::Open(stored) => {
-            let pairs = oracle::touching(stored, arithmetic.test(), chosen, limit)?;
+            let pairs = touching_in_open(stored, arithmetic.test(), chosen, limit)?;
             Ok(without_shift(&pairs).collect())
         }
     }
 }
 
 /// Returns how deep a contact is, in mean radii; negative for a pair that is apart.
-pub(crate) fn depth(scene: &Loaded<'_>, pair: ImagePair) -> f64 {
+pub fn depth(scene: &Loaded<'_>, pair: ImagePair) -> f64 {
     match scene {
-        Loaded::Open(scene) => oracle::depth_of(scene, [pair.i, pair.j]),
+        Loaded::Open(scene) => depth_of(scene, [pair.i, pair.j]),
         Loaded::InBox(periodic) => periodic::depth(periodic, pair),
     }
 }
 
 /// How a list differs from the truth in one pair.
 #[derive(Clone, Copy)]
-pub(crate) enum Difference {
+pub enum Difference {
+    /// A contact that is not listed.
     Missed,
+    /// A listed pair that does not touch.
     Added,
+    /// A listed pair that stands there before.
     Repeated,
 }
 
 /// Calls `each` for the pairs in which a sorted list differs from the sorted truth.
-pub(crate) fn differences<C: Copy + Ord>(
-    listed: &[C],
-    truth: &[C],
-    mut each: impl FnMut(Difference, C),
-) {
+pub fn differences<C: Copy + Ord>(listed: &[C], truth: &[C], mut each: impl FnMut(Difference, C)) {
     let mut truth = truth.iter().copied().peekable();
     for same in listed.chunk_by(|a, b| a == b) {
         let pair = same[0];
