@@ -41,16 +41,12 @@ pub fn scaled(given: Given, wanted: f64) -> anyhow::Result<Given> {
         return Ok(given);
     }
     let (periodic, options) = (in_any_box(&given)?, Options::default());
-    ensure!(
-        wanted <= n - 1.0 || periodic.lattice().periodic() != [false; 3],
-        "neighbours is {wanted}, and each of {n} particles in open space has at most {}",
-        n - 1.0
-    );
+    let (most, open) = (n - 1.0, periodic.lattice().periodic() == [false; 3]);
+    ensure!(wanted <= most || !open, "neighbours is {wanted}; in open space at most {most}");
     let (pairs, limit) = (0.5 * wanted * n, options.memory_limit);
     ensure!(
         FURTHER * pairs * PAIR_BYTES as f64 <= limit as f64,
-        "neighbours is {wanted}, which makes {pairs:.3e} pairs of {PAIR_BYTES} bytes, and a list \
-         of pairs may take {limit} bytes here; take fewer neighbours or particles"
+        "neighbours is {wanted}: {pairs:.3e} pairs take more than {limit} bytes; take fewer"
     );
     let factor = factor(&periodic, pairs, stats(&given, 0).packing_fraction, options)?;
     let (scene, _) = periodic.resized(|r| r * factor)?.into_parts();

@@ -48,10 +48,7 @@ impl Repeats {
         };
         let axes = text.parse::<Axes>().map_err(anyhow::Error::msg)?.of(inputs.dim as usize);
         let none = axes == [false; 3] || tilt.is_none_or(|tilt| tilt == 0.0);
-        ensure!(
-            axes[1] || none,
-            "a tilt shifts images along y, but the box is not periodic along y"
-        );
+        ensure!(axes[1] || none, "a tilt shifts images along y; the box is not periodic along y");
         Ok(Some(Repeats { axes, tilt }))
     }
 }

@@ -57,11 +57,7 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
     let mut draw = Draw::new(inputs.seed);
     let d = inputs.number("diameter")?;
     let offset = inputs.number("offset")?;
-    ensure!(
-        offset.abs() <= 1e12,
-        "couples: offset is {offset}; it must be from -10^12 to 10^12, or rounding would \
-         merge pairs"
-    );
+    ensure!(offset.abs() <= 1e12, "couples: offset is {offset}; it must be from -10^12 to 10^12");
     let low = offset * d;
     let start = if low < 0.0 { (-low / d).ceil() } else { 0.0 };
     let row = |k: u64| 3.0 * d * k as f64;

@@ -12,7 +12,6 @@
 
 use std::path::Path;
 
-use anyhow::ensure;
 use serde_json::Value;
 
 use crate::generate::table::{Generator, Parameter, ParameterKind, REQUIRED, optional, parameter};
@@ -54,13 +53,7 @@ pub const GENERATOR: Generator = Generator {
             set.map_err(|must| anyhow::anyhow!("file: {name} is '{text}'; {must}"))?;
         }
         let given = io::given(path, options)?;
-        let (n, found) = (inputs.n, given.scene.len());
-        ensure!(
-            n == 0 || n == found as u64,
-            "{} holds {found} particles, but n is {n}; leave n out",
-            path.display()
-        );
-        Ok(given)
+        inputs.own_n(given)
     },
     ..Generator::PLAIN
 };

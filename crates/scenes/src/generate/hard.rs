@@ -8,8 +8,6 @@
 //! case's number. The scene is the last step; [`crate::spec::Spec::history`] returns the steps
 //! before it. If the order of the particles matters, `order = generated` keeps it.
 
-use anyhow::ensure;
-
 use crate::generate::Inputs;
 use crate::generate::table::{Generator, ParameterKind, REQUIRED, parameter};
 use crate::hard;
@@ -26,12 +24,7 @@ pub const GENERATOR: Generator = Generator {
         let Some(given) = steps(inputs)?.pop() else {
             anyhow::bail!("the hard case '{}' has no steps", inputs.text("case")?)
         };
-        let (n, found) = (inputs.n, given.scene.len());
-        ensure!(
-            n == 0 || n == found as u64,
-            "the case has {found} particles, but n is {n}; leave n out"
-        );
-        Ok(given)
+        inputs.own_n(given)
     },
     ..Generator::PLAIN
 };

@@ -23,11 +23,12 @@ pub mod table;
 
 use std::collections::BTreeMap;
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use nalgebra::Point;
 use table::{Parameter, ParameterKind, parameter};
 
 use contactbench_ground::scene::{Radii, Scene};
+use contactbench_io::Given;
 
 /// The inputs of a generator: everything in a [`crate::spec::Spec`] except the order.
 pub struct Inputs<'a> {
@@ -46,6 +47,16 @@ impl Inputs<'_> {
     fn whole(&self, name: &str) -> anyhow::Result<u64> {
         let value = self.params.get(name).and_then(|value| value.as_u64());
         value.with_context(|| format!("the whole number '{name}' is missing"))
+    }
+
+    /// Checks the number of particles of a scene that decides it; n = 0 accepts any.
+    fn own_n(&self, given: Given) -> anyhow::Result<Given> {
+        let (n, found) = (self.n, given.scene.len() as u64);
+        ensure!(
+            [0, found].contains(&n),
+            "the scene has {found} particles, not n = {n}; leave n out"
+        );
+        Ok(given)
     }
 
     fn text(&self, name: &str) -> anyhow::Result<&str> {

@@ -81,8 +81,7 @@ where
     // The largest diameter is 1, so only images in adjacent boxes can be too near.
     ensure!(
         repeats.is_none() || inputs.n == 0 || edge >= placed.apart,
-        "the box has an edge of {edge:.3} largest diameters, so the largest particle overlaps its \
-         own image too far; take a larger n, a smaller fraction or more overlap"
+        "the largest particle overlaps its own image: the edge is {edge:.3} of its diameters"
     );
     let mut images = Vec::new();
     let mut drawn = 0;
@@ -105,10 +104,7 @@ where
             drawn += 1;
             ensure!(
                 tries < TRIES && drawn < TRIES + TRIES_EACH * inputs.n,
-                "no room for particle {k} of {} after {tries} draws; {:.3} of the box is filled, \
-                 and the fraction is {fraction}; take a smaller one, more overlap or sizes that \
-                 differ more",
-                inputs.n,
+                "no room for particle {k} after {tries} draws: {:.3} is filled, of {fraction}",
                 fraction * volume::<D>((0..k).map(radius)) / volume::<D>((0..inputs.n).map(radius))
             );
         }

@@ -88,11 +88,7 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
     } else if ratio == 1.0 {
         return Ok(None);
     }
-    ensure!(
-        ratio <= MOST,
-        "size-ratio is {ratio:e}; at most {MOST:e}, or the volume of the smallest particles \
-         underflows"
-    );
+    ensure!(ratio <= MOST, "size-ratio is {ratio:e}; it must be at most {MOST:e}");
     let mut radii = room(inputs.n)?;
     match kind {
         None => {

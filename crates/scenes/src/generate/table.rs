@@ -142,18 +142,9 @@ impl Generator {
         n: u64,
         params: &BTreeMap<String, Value>,
     ) -> anyhow::Result<BTreeMap<String, Value>> {
-        ensure!(
-            self.dims.contains(&dim),
-            "{}: dim = {dim}; it is made in {} only",
-            self.name,
-            self.dims.iter().map(|d| format!("{d} dimensions")).collect::<Vec<_>>().join(" and ")
-        );
-        ensure!(
-            n <= u64::from(u32::MAX),
-            "{}: n = {n}; at most 2^32 - 1 = {} particles can be numbered: make n smaller",
-            self.name,
-            u32::MAX
-        );
+        let (name, dims, most) = (self.name, self.dims, u32::MAX);
+        ensure!(dims.contains(&dim), "{name}: dim = {dim}; it must be one of {dims:?}");
+        ensure!(n <= most.into(), "{name}: n = {n}; at most 2^32 - 1 = {most} can be numbered");
         let known = || self.params().map(|parameter| parameter.name);
         if let Some(name) = params.keys().find(|name| known().all(|known| known != **name)) {
             bail!(

@@ -136,15 +136,10 @@ impl Case {
     /// Returns the scenes that one detector gets in turn, at least one. For an invalid case, the
     /// error holds the [`contactbench_ground::scene::SceneError`].
     pub fn steps(&self, dim: u32) -> anyhow::Result<Vec<Given>> {
+        let (name, dims) = (self.name, self.dims);
         ensure!(
-            self.dims.contains(&dim),
-            "the hard case '{}' is made in {} only, not in {dim}",
-            self.name,
-            self.dims
-                .iter()
-                .map(|dim| format!("{dim} dimensions"))
-                .collect::<Vec<_>>()
-                .join(" and ")
+            dims.contains(&dim),
+            "the hard case '{name}': dim = {dim}; it must be one of {dims:?}"
         );
         (self.make)(dim)
     }

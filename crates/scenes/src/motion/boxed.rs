@@ -48,16 +48,14 @@ impl<const D: usize> Boxed<D> {
         );
         ensure!(
             goes,
-            "{} needs open boundaries, but the scene is periodic; leave out its box, or take rest, \
-             drift, shear, jitter or brownian",
+            "{} needs open boundaries; take rest, drift, shear, jitter or brownian",
             kind.name()
         );
         let first = if D == 2 { first.flat()? } else { *first };
         let [_, y, z] = first.vectors()[0];
         ensure!(
             kind != MotionKind::Shear || !first.periodic()[0] || [y, z] == [0.0; 2],
-            "layers slide along x, and the first periodic vector of the box is not along x but \
-             has y = {y} and z = {z}; turn the box and its particles, or take another motion"
+            "layers slide along x; the first vector has y = {y} and z = {z}: turn the box"
         );
         Ok(Boxed { first, walls: walls(scene, &first) })
     }

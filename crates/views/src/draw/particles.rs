@@ -5,8 +5,7 @@ use std::collections::HashMap;
 use anyhow::ensure;
 
 use contactbench_ground::periodic::{ImagePair, Periodic};
-use contactbench_ground::scene::{AnyScene, Real, array};
-use contactbench_ground::with_scene;
+use contactbench_scenes::touching::particle;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Particle {
@@ -24,22 +23,6 @@ impl Particle {
     }
 }
 
-pub fn particles(scene: &AnyScene<'_>) -> Vec<Particle> {
-    with_scene!(scene, scene => {
-        let centre = |k: usize| {
-            let centre = array(&scene.centres()[k]);
-            std::array::from_fn(|axis| centre.get(axis).map_or(0.0, |x| x.wide()))
-        };
-        let body = |k: usize| Particle {
-            particle: k as u32,
-            image: [0; 3],
-            centre: centre(k),
-            r: scene.radius(k).wide(),
-        };
-        (0..scene.len()).map(body).collect()
-    })
-}
-
 pub struct Particles {
     /// All particles, followed by the images.
     pub all: Vec<Particle>,
@@ -53,7 +36,11 @@ impl Particles {
         periodic: &Periodic<'_>,
         pairs: impl Iterator<Item = &'a ImagePair>,
     ) -> anyhow::Result<Particles> {
-        let mut all = particles(periodic.scene());
+        let body = |k: u32| {
+            let (centre, r) = particle(periodic.scene(), k);
+            Particle { particle: k, image: [0; 3], centre, r }
+        };
+        let mut all: Vec<Particle> = (0..periodic.scene().len() as u32).map(body).collect();
         let (mut images, vectors) = (HashMap::new(), periodic.lattice().vectors());
         for &ImagePair { i, j, image } in pairs.filter(|pair| pair.image != [0; 3]) {
             for (particle, image) in [(j, image), (i, image.map(i32::wrapping_neg))] {

@@ -18,7 +18,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
 use contactbench_io::short;
 
@@ -51,68 +51,37 @@ impl Curve {
         let mut text = String::new();
         let file = std::fs::File::open(path).context("cannot be read")?;
         file.take(MOST_BYTES + 1).read_to_string(&mut text).context("cannot be read as text")?;
-        ensure!(
-            text.len() as u64 <= MOST_BYTES,
-            "has more than {MOST_BYTES} bytes; give only one line per sieve"
-        );
+        ensure!(text.len() as u64 <= MOST_BYTES, "has more than {MOST_BYTES} bytes");
         let mut points = Vec::new();
-        let mut may_be_names = true;
         for (line, number) in text.trim_start_matches('\u{feff}').lines().zip(1..) {
             let line = line.split('#').next().unwrap_or_default().trim();
-            if line.is_empty() {
-                continue;
-            }
             match point(line) {
                 Some(point) => points.push(point),
-                // Skips a header with column names.
-                None if may_be_names && !line.contains(|c: char| c.is_ascii_digit()) => {}
-                None => anyhow::bail!(
-                    "line {number} is '{}'; write a sieve size and the percent passing, as in \
-                     0.2, 15",
-                    short(line)
-                ),
+                // A header with the names of the columns.
+                None if points.is_empty() && !line.contains(|c: char| c.is_ascii_digit()) => {}
+                None if line.is_empty() => {}
+                None => {
+                    bail!("line {number} is '{}'; write size and percent: 0.2, 15", short(line))
+                }
             }
-            may_be_names = false;
         }
         Curve::of(points)
     }
 
     fn of(points: Vec<[f64; 2]>) -> anyhow::Result<Curve> {
-        for &[size, percent] in &points {
-            ensure!(
-                size > 0.0 && size.is_finite(),
-                "a sieve size is {size}; give finite numbers over 0"
-            );
-            ensure!(
-                (0.0..=100.0).contains(&percent),
-                "{percent} percent pass {size}; give numbers from 0 to 100"
-            );
+        let sound = |&[size, percent]: &[f64; 2]| size > 0.0 && size.is_finite() && percent >= 0.0;
+        let rises = |two: &[[f64; 2]]| two[0][0] < two[1][0] && two[0][1] <= two[1][1];
+        let ends = [points.first(), points.last()].map(|point| point.map(|[_, percent]| *percent));
+        for (holds, must) in [
+            (points.iter().all(sound), "must have sizes over 0, and percent of at least 0"),
+            (points.windows(2).all(rises), "must rise: sizes, each once, and percent that passes"),
+            (ends == [Some(0.0), Some(100.0)], "must begin at 0 percent and end at 100"),
+        ] {
+            ensure!(holds, "{must}");
         }
-        for pair in points.windows(2) {
-            let [[a, p], [b, q]] = [pair[0], pair[1]];
-            ensure!(a < b, "size {b} follows {a}; give sieves with rising sizes, each once");
-            ensure!(
-                p <= q,
-                "{q} percent pass {b}, but {p} percent the finer {a}; give the part that passes, \
-                 which rises with the size"
-            );
-        }
-        let (first, last) = (points.first(), points.last());
-        ensure!(
-            first.is_some_and(|[_, percent]| *percent == 0.0),
-            "does not begin at 0 percent; add the size of the smallest grains, with 0"
-        );
-        ensure!(
-            last.is_some_and(|[_, percent]| *percent == 100.0),
-            "does not end at 100 percent; add the size of the largest grains, with 100"
-        );
         let curve = Curve(points);
         let ratio = curve.ratio();
-        ensure!(
-            ratio <= MOST_RATIO,
-            "has sizes {ratio:e} apart; at most {MOST_RATIO:e}, or the volume of the smallest \
-             particles underflows"
-        );
+        ensure!(ratio <= MOST_RATIO, "has sizes {ratio:e} apart; at most {MOST_RATIO:e}");
         Ok(curve)
     }
 
