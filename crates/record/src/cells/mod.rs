@@ -214,10 +214,6 @@ impl Cell {
             None => self.id.axis(name)?.number(),
         }
     }
-
-    pub fn has(&self, pass: Pass) -> bool {
-        Column::measured_by(pass).any(|column| self.values.contains_key(&*column.name))
-    }
 }
 
 fn severity(outcome: Outcome) -> u8 {

@@ -26,20 +26,6 @@ pub struct Group<'a> {
     pub lines: BTreeMap<Line, BTreeMap<u64, Seeds<'a>>>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-pub struct BySize<T> {
-    pub title: String,
-    pub sizes: Vec<u64>,
-    pub lines: Vec<LineValues<T>>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct LineValues<T> {
-    pub line: Line,
-    pub name: String,
-    pub values: Vec<Option<T>>,
-}
-
 pub fn groups<'a>(cells: &[&'a Cell]) -> Vec<Group<'a>> {
     let swept = label::swept(cells);
     let mut groups: BTreeMap<Projection, Group<'a>> = BTreeMap::new();
@@ -103,34 +89,6 @@ impl<'a> Group<'a> {
         let mut timed: Vec<(&Line, f64)> = timed.collect();
         timed.sort_by(|a, b| a.1.total_cmp(&b.1));
         timed
-    }
-
-    /// Returns a value per line and N. Lines are sorted by `rank` at their largest N; lines without
-    /// values are left out.
-    pub fn by_size<T>(
-        &self,
-        label: impl Fn(&Line) -> String,
-        value: impl Fn(&Line, u64) -> Option<T>,
-        rank: impl Fn(&T) -> Option<f64>,
-    ) -> BySize<T> {
-        let sizes: Vec<u64> = self.sizes().into_iter().collect();
-        let mut lines: Vec<LineValues<T>> = Vec::new();
-        for line in self.lines.keys() {
-            let values: Vec<Option<T>> = sizes.iter().map(|&n| value(line, n)).collect();
-            if values.iter().any(Option::is_some) {
-                lines.push(LineValues { line: line.clone(), name: label(line), values });
-            }
-        }
-        let last = |line: &LineValues<T>| {
-            let mut ranks = line.values.iter().rev().map(|value| value.as_ref().and_then(&rank));
-            let k = ranks.clone().position(|rank| rank.is_some());
-            (k.unwrap_or(usize::MAX), ranks.nth(k.unwrap_or(0)).flatten().unwrap_or(f64::INFINITY))
-        };
-        lines.sort_by(|a, b| {
-            let (a, b) = (last(a), last(b));
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-        });
-        BySize { title: self.title.clone(), sizes, lines }
     }
 }
 

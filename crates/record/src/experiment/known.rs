@@ -61,20 +61,17 @@ impl Known {
     }
 
     fn expression(&self, expression: &Expression) -> Result<(), String> {
-        let is_number = |name: &str| {
+        let is_number = |name: &String| {
             let mut values = self.values(name).into_iter();
-            !FIELDS.contains(&name) && values.any(|value| value.number().is_some())
+            !FIELDS.contains(&&**name) && values.any(|value| value.number().is_some())
         };
-        let fixed = ["n", "dim", "seed", "threads"];
-        let unknown =
-            |name: &str| Column::find(name).is_none() && !fixed.contains(&name) && !is_number(name);
-        let found = expression.variables().find(|(name, _)| unknown(name));
+        let columns = COLUMNS.iter().map(|column| column.name.to_string());
+        let fixed = ["n", "dim", "seed", "threads"].map(String::from);
+        let numbers = self.names().into_iter().filter(is_number);
+        let all: BTreeSet<String> = numbers.chain(columns).chain(fixed).collect();
+        let found = expression.variables().find(|(name, _)| !all.contains(*name));
         // Without a scene or a subject, names cannot be checked.
         let Some((name, column)) = found.filter(|_| !self.ids.is_empty()) else { return Ok(()) };
-        let columns = COLUMNS.iter().map(|column| &*column.name);
-        let mut all: BTreeSet<String> =
-            fixed.into_iter().chain(columns).map(String::from).collect();
-        all.extend(self.names().into_iter().filter(|name| is_number(name)));
         let meant = meant(name, &all);
         Err(format!("there is no variable '{name}', at column {column} of '{expression}'{meant}"))
     }

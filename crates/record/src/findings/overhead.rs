@@ -59,31 +59,3 @@ impl Overhead {
 fn scene(id: &CellId) -> Projection {
     id.scene_id().without(&["seed"])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::cells::testing::Lab;
-    use crate::record::row::Outcome;
-
-    #[test]
-    fn the_largest_share_and_the_n_from_which_it_does_not_matter() {
-        for (idle, share, clear_from) in
-            [(0, 0.001, Some(10)), (50, 0.05, Some(1000)), (5000, 5.0, None)]
-        {
-            let mut lab = Lab::new("e", "packed");
-            for n in [10_u64, 1000] {
-                lab.n(n).detector("nbs").time(&[100 * n; 15]);
-                lab.detector("direct").time(&[n * n * 30; 15]);
-            }
-            assert_eq!(lab.find(Overhead::new), None);
-            for n in [10, 1000] {
-                lab.n(n).detector("nothing").time(&[idle; 15]);
-                lab.edit(|row| row.outcome = Outcome::Control);
-            }
-            let found = lab.find(Overhead::new).unwrap();
-            assert!((found.share - share).abs() < 1e-9, "{found:?}");
-            assert_eq!((found.n, &*found.detector, found.clear_from), (10, "nbs", clear_from));
-        }
-    }
-}

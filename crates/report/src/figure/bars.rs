@@ -61,15 +61,15 @@ impl<'a> Bar<'a> {
 
 fn panels(found: &Ratios) -> Vec<Panel<'_>> {
     let mut panels = Vec::new();
-    for entries in found.scenes.iter().map(|scene| &scene.entries) {
-        for (k, &n) in entries.sizes.iter().enumerate() {
-            let bars = entries.lines.iter().filter_map(|line| {
-                Bar::new(&line.name, &line.line.detector, line.values.get(k)?.as_ref()?, n)
+    for scene in &found.scenes {
+        for (k, &n) in scene.sizes.iter().enumerate() {
+            let bars = scene.lines.iter().filter_map(|line| {
+                Bar::new(&line.name, &line.line.detector, line.entries.get(k)?.as_ref()?, n)
             });
             let mut bars: Vec<Bar<'_>> = bars.collect();
             bars.sort_by(|a, b| a.length().total_cmp(&b.length()));
             if bars.iter().any(|bar| bar.entry.is_base) {
-                panels.push(Panel { title: format!("{}, N = {n}", entries.title), bars });
+                panels.push(Panel { title: format!("{}, N = {n}", scene.title), bars });
             }
         }
     }

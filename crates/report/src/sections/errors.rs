@@ -96,33 +96,3 @@ fn counts(errors: &Errors) -> String {
     }
     out
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use contactbench_record::cells::testing::errors_lab as lab;
-
-    #[test]
-    fn the_table_tells_causes_apart_and_folds_what_is_the_same() {
-        let table = table(&lab().find(ErrorTable::new).unwrap()).markdown();
-        let lines: Vec<&str> = table.lines().skip(2).collect();
-        assert_eq!(
-            lines,
-            [
-                "| all | exact | packed 2D | 500 | 0 | 0 | 0 | 0 | 0% | – | – |  |",
-                "| all | f32 | packed 2D, offset = 0 | 250 | 0 | 1 / 0 | 0 | 1 / 0 / 2 self | \
-                 1.2% | 0.2500 r | – |  |",
-                "| all | f32 | packed 2D, offset = 1000 | 250 | 20 / 5 | 1 / 0 | 0 | 21 / 5 / 2 \
-                 self | 11% | 0.2500 r | 0 r |  |",
-                "| nbs | textbook | packed 2D, offset = 0 | 250 | 0 | 0 | 1 / 0 | 1 / 0 | 0.4% | \
-                 0.2500 r | – | lossy |",
-                "| sorting | textbook | packed 2D, offset = 0 | 250 | 0 | 0 | 0 | 0 | 0% | – | – \
-                 |  |",
-                "| nbs | textbook | packed 2D, offset = 1000 | 250 | 0 | 0 | 1 / 0 | 1 / 0 | 0.4% \
-                 | 0.2500 r | – | lossy |",
-                "| sorting | textbook | packed 2D, offset = 1000 | 250 | 0 | 0 | 0 | 0 | 0% | – | \
-                 – |  |",
-            ]
-        );
-    }
-}

@@ -4,8 +4,10 @@ use super::winners::undecided;
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
-use contactbench_record::cells::series::{Line, LineValues};
-use contactbench_record::findings::ratios::{Entry, Library, Missing, Ratios, SceneRatios};
+use contactbench_record::cells::series::Line;
+use contactbench_record::findings::ratios::{
+    Entry, Library, LineRatios, Missing, Ratios, SceneRatios,
+};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::{number, plural, times, with_interval};
 
@@ -58,13 +60,11 @@ fn blocks(found: &Ratios) -> Vec<Block> {
         ));
     }
     out.push(Block::Paragraph(how));
-    let scenes = found.scenes.iter().filter(|scene| !scene.entries.lines.is_empty());
+    let scenes = found.scenes.iter().filter(|scene| !scene.lines.is_empty());
     out.extend(scenes.map(|scene| {
-        let entries = &scene.entries;
-        let table =
-            Table::of(entries.title.clone(), &entries.lines).left("detector", |it| &*it.name);
-        Block::table(table.each(entries.sizes.iter().enumerate(), |table, (k, &n)| {
-            let shown = |it: &LineValues<Entry>| it.values[k].as_ref().map(|entry| cell(n, entry));
+        let table = Table::of(scene.title.clone(), &scene.lines).left("detector", |it| &*it.name);
+        Block::table(table.each(scene.sizes.iter().enumerate(), |table, (k, &n)| {
+            let shown = |it: &LineRatios| it.entries[k].as_ref().map(|entry| cell(n, entry));
             table.right(format!("N = {n}"), shown)
         }))
     }));
@@ -120,12 +120,12 @@ struct RatioRow<'a> {
 
 fn rows(found: &Ratios) -> Table {
     let mut all = Vec::new();
-    for SceneRatios { experiment, entries, .. } in &found.scenes {
-        let mut lines: Vec<_> = entries.lines.iter().collect();
+    for SceneRatios { experiment, title, sizes, lines } in &found.scenes {
+        let mut lines: Vec<_> = lines.iter().collect();
         lines.sort_by(|a, b| a.line.cmp(&b.line));
-        for LineValues { line, values, .. } in lines {
-            for (&n, entry) in entries.sizes.iter().zip(values) {
-                let scene = entries.title.as_str();
+        for LineRatios { line, entries, .. } in lines {
+            for (&n, entry) in sizes.iter().zip(entries) {
+                let scene = title.as_str();
                 all.extend(entry.iter().map(|entry| RatioRow {
                     experiment,
                     scene,

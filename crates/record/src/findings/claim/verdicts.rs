@@ -90,7 +90,7 @@ pub struct Matrix {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseLine {
     pub case: String,
-    pub dims: Vec<u32>,
+    pub dim: u32,
     /// One entry per arithmetic: `right`, or the detectors with other answers and their errors;
     /// `None` if not measured.
     pub answers: Vec<Option<Vec<String>>>,
@@ -116,18 +116,14 @@ impl Matrix {
         let mut arithmetics = Vec::from_iter(all);
         let place = |name: &str| Arithmetic::ALL.iter().position(|it| it.name() == name);
         arithmetics.sort_by_key(|name| place(name));
-        let dims = cells.iter().map(|cell| cell.id.dim).collect::<BTreeSet<_>>().len();
         let (mut lines, mut right) = (Vec::new(), Vec::new());
         let answers = Vec::from_iter(&answers);
-        for own in answers.chunk_by(|a, b| a.0.0 == b.0.0) {
-            for line in case_lines(own, &arithmetics) {
-                if !line.answers.iter().all(|answer| *answer == Some(vec!["right".into()])) {
-                    lines.push(line);
-                } else if line.dims.len() == dims {
-                    right.push(line.case);
-                } else {
-                    right.push(format!("{} ({})", line.case, line.shown_dims(", ")));
-                }
+        for own in answers.chunk_by(|(a, _), (b, _)| a.0 == b.0 && a.1 == b.1) {
+            let line = CaseLine::new(own, &arithmetics);
+            if line.answers.iter().all(|answer| *answer == Some(vec!["right".into()])) {
+                right.push(format!("{} {}D", line.case, line.dim));
+            } else {
+                lines.push(line);
             }
         }
         let total = |word: &'static str| {
@@ -145,28 +141,16 @@ impl Matrix {
 }
 
 impl CaseLine {
-    pub fn shown_dims(&self, between: &str) -> String {
-        self.dims.iter().map(|dim| format!("{dim}D")).collect::<Vec<_>>().join(between)
+    fn new(own: &[(&Place<'_>, &CellAnswer)], arithmetics: &[&str]) -> CaseLine {
+        let answer = |name: &&str| {
+            let of = own.iter().filter(|(place, _)| place.2 == *name);
+            let of: Vec<_> = of.map(|(place, answer)| (place.3, *answer)).collect();
+            (!of.is_empty()).then(|| who(&of))
+        };
+        let ((case, _), dim, ..) = own[0].0;
+        let answers = arithmetics.iter().map(answer).collect();
+        CaseLine { case: case.clone(), dim: *dim, answers }
     }
-}
-
-/// Returns a line for each dimension; dimensions with equal answers share one.
-fn case_lines(own: &[(&Place<'_>, &CellAnswer)], arithmetics: &[&str]) -> Vec<CaseLine> {
-    let mut found: Vec<CaseLine> = Vec::new();
-    for own in own.chunk_by(|a, b| a.0.1 == b.0.1) {
-        let ((case, _), dim) = (&own[0].0.0, own[0].0.1);
-        let mut answers = Vec::new();
-        for name in arithmetics {
-            let of: Vec<_> = own.iter().filter(|(place, _)| place.2 == *name).collect();
-            let of = of.iter().map(|(place, answer)| (place.3, *answer)).collect::<Vec<_>>();
-            answers.push((!of.is_empty()).then(|| who(&of)));
-        }
-        match found.iter_mut().find(|known| known.answers == answers) {
-            Some(known) => known.dims.push(dim),
-            None => found.push(CaseLine { case: case.clone(), dims: vec![dim], answers }),
-        }
-    }
-    found
 }
 
 pub fn judged<'a>(cells: &[&'a Cell]) -> Vec<&'a Cell> {
@@ -232,7 +216,7 @@ mod tests {
         let answer = |it: &Option<Vec<String>>| it.as_ref().unwrap().join("; ");
         let line = |line: &CaseLine| {
             let answers: Vec<String> = line.answers.iter().map(answer).collect();
-            format!("{} {}: {}", line.case, line.shown_dims("+"), answers.join(" | "))
+            format!("{} {}D: {}", line.case, line.dim, answers.join(" | "))
         };
         matrix.lines.iter().map(line).collect()
     }
@@ -245,11 +229,12 @@ mod tests {
         assert_eq!(
             lines(&matrix),
             [
-                format!("far 2D+3D: {refused} | {refused} | {refused}"),
+                format!("far 2D: {refused} | {refused} | {refused}"),
+                format!("far 3D: {refused} | {refused} | {refused}"),
                 "tangent 2D: -3 | nbs, sorting: lossy -2 | right".into()
             ]
         );
-        assert_eq!(matrix.right, ["calm"]);
+        assert_eq!(matrix.right, ["calm 2D", "calm 3D"]);
         let totals = [
             ("right", vec![8, 9, 11]),
             ("wrong", vec![3, 0, 0]),
@@ -265,7 +250,7 @@ mod tests {
         lab.scene("hard", 2).param("case", "calm").arithmetic("exact").detector("nbs");
         lab.fail(Pass::Memory, Outcome::Wrong, "1 missed");
         let found = matrix(&lab);
-        assert_eq!(found.right, ["calm (3D)"]);
+        assert_eq!(found.right, ["calm 3D"]);
         assert_eq!(lines(&found)[0], "calm 2D: right | right | nbs: DEFECT");
     }
 }

@@ -275,11 +275,6 @@ fn lacks(a: &Cell, b: &Cell, timed: bool) -> Vec<String> {
         see(&format!("the {} pass", pass.name()), &|cell| cell.passes.contains_key(&pass));
     }
     see("times", &|cell| cell.time().is_some());
-    see("counts", &|cell| cell.has(Pass::Count));
-    let bytes = Column::measured_by(Pass::Memory).map(|column| &*column.name);
-    for name in ["contacts"].into_iter().chain(bytes) {
-        see(name, &|cell| cell.values.contains_key(name));
-    }
     if !timed && a.time().is_some() && b.time().is_some() {
         found.push("no times in blocks of both".into());
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::cells::series::{BySize, Group, Line};
+use crate::cells::series::{Group, Line};
 use crate::cells::{Cell, series};
 use crate::findings::claim::every;
 use crate::findings::trust::noise::Noise;
@@ -35,7 +35,43 @@ pub struct Library {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneRatios {
     pub experiment: String,
-    pub entries: BySize<Entry>,
+    pub title: String,
+    pub sizes: Vec<u64>,
+    pub lines: Vec<LineRatios>,
+}
+
+/// The entries of a subject, one for each N.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineRatios {
+    pub line: Line,
+    pub name: String,
+    pub entries: Vec<Option<Entry>>,
+}
+
+impl SceneRatios {
+    /// Lines are sorted by the ratio at their largest N; lines without entries are left out.
+    fn new(group: &Group<'_>, label: impl Fn(&Line) -> String, reference: &str) -> SceneRatios {
+        let sizes = Vec::from_iter(group.sizes());
+        let line = |line: &Line| LineRatios {
+            line: line.clone(),
+            name: label(line),
+            entries: sizes.iter().map(|&n| entry(group, line, n, reference)).collect(),
+        };
+        let mut lines: Vec<LineRatios> = group.lines.keys().map(line).collect();
+        lines.retain(|line| line.entries.iter().any(Option::is_some));
+        let last = |line: &LineRatios| {
+            let ratios = line.entries.iter().rev().map(|entry| entry.as_ref()?.right_ratio());
+            let last = ratios.enumerate().find_map(|(k, ratio)| Some((k, ratio?)));
+            last.unwrap_or((usize::MAX, f64::INFINITY))
+        };
+        lines.sort_by(|a, b| {
+            let (a, b) = (last(a), last(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        let any = group.lines.values().flat_map(BTreeMap::values).flatten().next();
+        let experiment = any.map_or(String::new(), |cell| cell.id.experiment.clone());
+        SceneRatios { experiment, title: group.title.clone(), sizes, lines }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -80,25 +116,14 @@ impl Ratios {
             group.sizes().into_iter().filter_map(found).collect::<Vec<_>>()
         });
         let libraries = libraries.collect();
-        let scene = |group: Group<'_>| {
-            let any = group.lines.values().flat_map(BTreeMap::values).flatten().next();
-            SceneRatios {
-                experiment: any.map_or(String::new(), |cell| cell.id.experiment.clone()),
-                entries: group.by_size(
-                    label,
-                    |line, n| entry(&group, line, n, reference),
-                    Entry::right_ratio,
-                ),
-            }
-        };
         let found = Ratios {
             reference: reference.to_string(),
-            scenes: groups.into_iter().map(scene).collect(),
+            scenes: groups.iter().map(|it| SceneRatios::new(it, label, reference)).collect(),
             libraries,
             missing: missing(cells),
         };
-        let entries = found.scenes.iter().flat_map(|scene| &scene.entries.lines);
-        let mut entries = entries.flat_map(|line| line.values.iter().flatten());
+        let lines = found.scenes.iter().flat_map(|scene| &scene.lines);
+        let mut entries = lines.flat_map(|line| line.entries.iter().flatten());
         entries.any(|entry| entry.is_base && entry.time_ns.is_some()).then_some(found)
     }
 }

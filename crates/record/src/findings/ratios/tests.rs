@@ -29,14 +29,14 @@ fn ratios_are_paired_sorted_and_without_wrong_winners() {
     }
     let found = ratios(&lab, "nbs").unwrap();
     let [scene] = &*found.scenes else { panic!("{found:?}") };
-    assert_eq!(scene.entries.sizes, [100, 1000]);
-    let names: Vec<&str> = scene.entries.lines.iter().map(|line| &*line.name).collect();
+    assert_eq!(scene.sizes, [100, 1000]);
+    let names: Vec<&str> = scene.lines.iter().map(|line| &*line.name).collect();
     let first =
         ["other (f64)", "nbs (exact)", "nbs-twin (exact)", "screening (exact)", "sorting (exact)"];
     assert_eq!((&names[..5], names.len()), (&first[..], 7), "nothing is no subject");
     let entry = |name: &str, k: usize| {
-        let line = scene.entries.lines.iter().find(|line| line.name == name).unwrap();
-        line.values[k].clone().unwrap()
+        let line = scene.lines.iter().find(|line| line.name == name).unwrap();
+        line.entries[k].clone().unwrap()
     };
     for (name, k, ratio) in [
         ("other (f64)", 1, 0.8),
@@ -82,12 +82,12 @@ fn seeds_are_compared_with_their_own_and_threads_with_one() {
         lab.threads(2).detector("nbs").time(&[60 * scale; 15]);
     }
     let found = ratios(&lab, "nbs").unwrap();
-    let entries = &found.scenes[0].entries.lines;
+    let entries = &found.scenes[0].lines;
     let names: Vec<&str> = entries.iter().map(|line| &*line.name).collect();
     assert_eq!(names, ["nbs (2 threads)", "nbs", "direct"]);
     for (line, ratio) in entries.iter().zip([0.6, 1.0, 2.0]) {
-        let entry = line.values[0].as_ref().unwrap();
+        let entry = line.entries[0].as_ref().unwrap();
         assert!(near(entry.ratio, ratio) && entry.is_base == (line.name == "nbs"), "{entry:?}");
     }
-    assert_eq!(entries[1].values[0].as_ref().unwrap().time_ns, Some(1000.0));
+    assert_eq!(entries[1].entries[0].as_ref().unwrap().time_ns, Some(1000.0));
 }

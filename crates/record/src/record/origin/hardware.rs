@@ -43,15 +43,6 @@ impl Hardware {
         memory && self.known().into_iter().all(alike)
     }
 
-    /// Returns these fields, and those of `other` that are unknown here.
-    pub fn or(self, other: Hardware) -> Hardware {
-        let mut fields = other.known();
-        fields.extend(self.known());
-        let caches = if self.caches.is_empty() { other.caches } else { self.caches };
-        fields.insert("caches".into(), json!(caches));
-        serde_json::from_value(json!(fields)).unwrap_or_default()
-    }
-
     /// The known fields by name; each cache is a field.
     fn known(&self) -> BTreeMap<String, Value> {
         let mut fields: BTreeMap<String, Value> =

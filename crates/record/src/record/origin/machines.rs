@@ -58,9 +58,7 @@ impl Labels {
         let is_same = |known: &Machine| {
             known.may_be(&machine) && known.hardware.caches == machine.hardware.caches
         };
-        if let Some((known, label)) = self.0.iter_mut().find(|(known, _)| is_same(known)) {
-            // This description may have fields that help to distinguish later machines.
-            known.hardware = std::mem::take(&mut known.hardware).or(machine.hardware);
+        if let Some((_, label)) = self.0.iter().find(|(known, _)| is_same(known)) {
             return label.clone();
         }
         let taken = |label: &str| self.0.iter().any(|(_, known)| known == label);

@@ -67,7 +67,6 @@ impl Model {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slope {
     pub exponent: f64,
-    pub error: f64,
     pub low: f64,
     pub high: f64,
 }
@@ -107,9 +106,8 @@ fn logs(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 pub fn slope(points: &[(f64, f64)]) -> Option<Slope> {
     let points = logs(points);
     let line = StraightLine::fit(&points)?;
-    let (exponent, error) = (line.slope, line.error?);
-    let half = student(points.len() - 2) * error;
-    Some(Slope { exponent, error, low: exponent - half, high: exponent + half })
+    let half = student(points.len() - 2) * line.error?;
+    Some(Slope { exponent: line.slope, low: line.slope - half, high: line.slope + half })
 }
 
 /// Returns the 97.5% point of Student's t. It is exact for 1 and 2 degrees of freedom; for 3, the

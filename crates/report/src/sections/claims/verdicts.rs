@@ -35,7 +35,7 @@ fn totals(found: &Matrix) -> Table {
 fn lines(found: &Matrix) -> Table {
     let table = Table::of("", &found.lines)
         .left("case", |line| &*line.case)
-        .left("dim", |line| line.shown_dims(" "));
+        .left("dim", |line| format!("{}D", line.dim));
     let answer = |line: &CaseLine, k: usize| line.answers[k].clone();
     let arithmetics = found.arithmetics.iter().enumerate();
     table.each(arithmetics, |table, (k, name)| table.left(name, |line| answer(line, k))).into()
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn report_and_file_agree() {
         let report = markdown(&blocks(&lab().find(Matrix::new).unwrap()));
-        for part in ["Right by every detector", "1 case: calm", "refused"] {
+        for part in ["Right by every detector", "2 cases: calm 2D, calm 3D", "refused"] {
             assert!(report.contains(part), "{part}: {report}");
         }
         let line = "| tangent | 2D | -3 | nbs, sorting: lossy -2 | right |";

@@ -55,21 +55,3 @@ fn program(process: &Process) -> String {
     let said: Vec<String> = files.chain(version).chain(build).collect();
     format!("{}: {}", process.id, said.join(", "))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_doubtful_is_one_sentence() {
-        let said = |doubts: &[&str]| {
-            let doubts = doubts.iter().map(|it| it.to_string()).collect();
-            sentence(&Conditions { doubts, ..Conditions::default() })
-        };
-        assert_eq!(said(&[]), None);
-        assert_eq!(
-            said(&["the host took away 3.0% of a core", "it rained"]).unwrap(),
-            "do not quote the times of this record: the host took away 3.0% of a core; it rained"
-        );
-    }
-}
