@@ -52,8 +52,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
     let (name, given) = options.source.given()?;
-    let none = given.scene.is_empty();
-    ensure!(!none, "{name}: the scene has no particles");
+    ensure!(!given.scene.is_empty(), "{name}: the scene has no particles");
     let history = history(&name)?;
     let program = program()?;
     let time = Duration::from_secs_f64(seconds);
@@ -86,7 +85,8 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         out.text(text);
     }
     out.print()?;
-    Ok(code(&race, verdict.as_ref()))
+    let wrong = race.subjects.iter().any(|subject| subject.row.outcome == Outcome::Wrong);
+    Ok(ExitCode::from(u8::from(wrong || verdict.is_none())))
 }
 
 /// Prints what was measured.
@@ -113,14 +113,6 @@ fn head(out: &mut Output, name: &str, question: &Question<'_>, contacts: u64, bl
         "threads": threads,
     });
     out.line("", text, values);
-}
-
-fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {
-    let wrong = |subject: &RacedSubject| subject.row.outcome == Outcome::Wrong;
-    match race.subjects.iter().any(wrong) || verdict.is_none() {
-        true => ExitCode::from(1),
-        false => ExitCode::SUCCESS,
-    }
 }
 
 /// Returns the command that starts this program as a runner.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{bail, ensure};
+use anyhow::ensure;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
@@ -135,17 +135,14 @@ impl Input {
         if !io::exists(path) {
             let (name, rest) = text.split_once(':').unwrap_or((text, ""));
             let named = nearest(name, GENERATORS.iter().map(|generator| generator.name));
-            if let Some(near) = named.filter(|_| !text.contains(['.', '/'])) {
-                let colon = if rest.is_empty() { "" } else { ":" };
-                bail!(
-                    "there is neither a file nor a scene '{text}' (did you mean \
-                     {near}{colon}{rest}?); see contactbench list scenes"
-                );
-            }
+            let near = named.filter(|_| !text.contains(['.', '/']));
+            let scene = rest.contains('=') && !text.contains(['/', '\\']);
+            let colon = if rest.is_empty() { "" } else { ":" };
+            let hint = near.map(|near| format!(" (did you mean {near}{colon}{rest}?)"));
             ensure!(
-                !rest.contains('=') || text.contains(['/', '\\']),
-                "there is neither a file nor a scene '{text}'; contactbench list scenes lists the \
-                 scenes"
+                !scene && hint.is_none(),
+                "there is neither a file nor a scene '{text}'{}; see contactbench list scenes",
+                hint.unwrap_or_default()
             );
         }
         Ok(Origin::File(path.to_owned(), Box::new(self.options())))
