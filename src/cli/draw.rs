@@ -12,8 +12,8 @@ use contactbench_detectors::near::contacts;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_io as io;
+use contactbench_io::FrameChoice;
 use contactbench_io::pairs::List;
-use contactbench_io::{FrameChoice, Place};
 use contactbench_run::verify::{Allowed, Job, Listed, Naming, Taken, Terms, Verification, verify};
 use contactbench_scenes::touching::in_any_box;
 use contactbench_terms::number::plural;
@@ -86,7 +86,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
 fn list(path: &Path, frame: FrameChoice) -> anyhow::Result<List> {
     let list = io::pairs::read(path, &[], frame)?;
     let name = path.display().to_string();
-    input::tell(&name, &list.notices, Place::Argument);
+    input::tell(&name, &list.notices);
     if let Some(frame) = list.frame {
         let step = list.step.map_or_else(String::new, |step| format!(" (step {step})"));
         say!("{name}: the list of frame {frame}{step} is drawn");

@@ -44,7 +44,7 @@ pub use options::{FileOption, Format, OPTIONS, Options};
 pub use particles::{Given, Loaded, Particles};
 pub use raw::lines::{LONGEST_LINE, short};
 pub use raw::room::room;
-pub use types::{About, Declared, FrameChoice, Notice, Place, RadiusSource};
+pub use types::{About, Declared, FrameChoice, Notice, RadiusSource};
 
 #[cfg(test)]
 mod tests;

@@ -91,15 +91,6 @@ pub enum Notice {
     Assumed(String),
 }
 
-/// The place where the file is named, which determines how options are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    Argument,
-    /// A scene text such as `file:path=p.dump`.
-    Spec,
-    Experiment,
-}
-
 impl Notice {
     /// Whether the other notice is the same, apart from numbers that change from frame to frame.
     pub fn is_like(&self, other: &Notice) -> bool {
@@ -108,32 +99,30 @@ impl Notice {
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),
         }
     }
+}
 
-    pub fn words(&self, place: Place) -> String {
-        let [periodic, open, plane] = match place {
-            Place::Argument => ["--periodic xyz", "--open", "--dim 2"],
-            Place::Spec => ["periodic=xyz", "open=true", "dim=2"],
-            Place::Experiment => {
-                ["periodic = \"xyz\" in the experiment", "open = true", "file-dim = 2"]
-            }
-        };
+impl std::fmt::Display for Notice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Notice::Assumed(words) => words.clone(),
-            Notice::Flat => format!("z is 0 for all particles; if they are discs, give {plane}"),
+            Notice::Assumed(words) => f.write_str(words),
+            Notice::Flat => f.write_str(
+                "z is 0 for all particles; if they are discs, give --dim 2 (in a scene, file-dim)",
+            ),
             Notice::Crowded(each, source) => {
                 let sizes = match source {
                     RadiusSource::Column(name) => format!("'{}'", short(name)),
                     RadiusSource::Halved(name) => format!("half of '{}'", short(name)),
                     RadiusSource::Given | RadiusSource::Missing => "--radius".into(),
                 };
-                format!(
+                write!(
+                    f,
                     "{each:.1} contacts per particle are more than a packing of hard particles \
                      has; check that {sizes} is a radius, in the unit of the coordinates"
                 )
             }
-            Notice::Boundaries => format!(
+            Notice::Boundaries => f.write_str(
                 "the file does not define whether its box repeats, so boundaries are taken as \
-                 open; give {periodic} if it repeats, and {open} if not"
+                 open; give --periodic xyz if it repeats, and --open if not",
             ),
         }
     }

@@ -16,14 +16,10 @@ use contactbench::cli::shared::input::tell;
 use contactbench::cli::shared::limit::Limit;
 use contactbench::cli::shared::scene::Source;
 use contactbench::cli::shared::{terminal, values};
-#[cfg(feature = "mpi")]
-use contactbench::io::Place;
 use contactbench::io::write::append;
 use contactbench::number::plural;
 use contactbench::present::document::{Block, plain};
 use contactbench::present::table::Table;
-#[cfg(feature = "mpi")]
-use contactbench::scene::origin::Origin;
 use contactbench_detectors::table;
 
 #[derive(clap::Args)]
@@ -139,9 +135,7 @@ fn by_mpi<'a>(
     });
     let row = share.and_then(|(share, origin)| {
         if rank == 0 {
-            let file = matches!(origin, Origin::File(..));
-            let place = if file { Place::Argument } else { Place::Spec };
-            tell(name, &share.given.notices, place);
+            tell(name, &share.given.notices);
             options.source.input.tell_frame(name, share.frames);
         }
         let setting = setting(share.given.scene.len());

@@ -16,9 +16,9 @@ use crate::cli::shared::values;
 use contactbench_detectors::table;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_io as io;
+use contactbench_io::FrameChoice;
 use contactbench_io::boxes::along;
 use contactbench_io::write::Extra;
-use contactbench_io::{FrameChoice, Place};
 use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]
@@ -128,7 +128,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let mut search = Search::new(options, &spec, options.limit.bytes(n));
     let periodic = given.periodic()?;
     let found = search.find(&given, periodic.as_ref()).with_context(|| name.clone())?;
-    tell(&name, found.doubt(&given).as_slice(), Place::Argument);
+    tell(&name, found.doubt(&given).as_slice());
     let style = search::style(options, &given, periodic.as_ref(), ids.as_deref(), options.ids);
     io::write::contacts(options.out.as_deref(), found.pairs.iter(), &style)?;
     let SearchResult { time, memory, pairs, images, .. } = &found;

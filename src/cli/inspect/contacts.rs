@@ -15,7 +15,7 @@ use contactbench_ground::periodic;
 use contactbench_ground::periodic::{ImagePair, Periodic};
 use contactbench_ground::scene::{Real, array};
 use contactbench_ground::with_scene;
-use contactbench_io::{Place, RadiusSource};
+use contactbench_io::RadiusSource;
 use contactbench_scenes::doubts::crowded;
 use contactbench_terms::number::{number, plural};
 
@@ -103,7 +103,7 @@ pub(super) fn report(
         }
     };
     if let Some(doubt) = crowded(scene.dim(), each, source) {
-        out.warn(doubt.words(Place::Argument));
+        out.warn(doubt.to_string());
     }
     offset(periodic, mean, contacts, out);
 }

@@ -7,7 +7,7 @@ use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::output::Output;
 use contactbench_ground::limits::memory::limit_for;
 use contactbench_io as io;
-use contactbench_io::{About, FrameChoice, Particles, Place, RadiusSource};
+use contactbench_io::{About, FrameChoice, Particles, RadiusSource};
 use contactbench_scenes::stats::stats;
 use contactbench_scenes::touching::in_any_box;
 use contactbench_terms::number::number;
@@ -86,7 +86,7 @@ fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Ou
         }
     };
     out.line("radius from", text, json!({ "radius_source": kind, "radius_column": column }));
-    particles.notices.iter().for_each(|notice| out.warn(notice.words(Place::Argument)));
+    particles.notices.iter().for_each(|notice| out.warn(notice.to_string()));
 }
 
 fn of_centres(particles: &Particles, out: &mut Output) {

@@ -11,7 +11,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use crate::cli::shared::scene::WithIds;
 use contactbench_io as io;
 use contactbench_io::Given;
-use contactbench_io::{Boundaries, FileOption, FrameChoice, Notice, Place};
+use contactbench_io::{Boundaries, FileOption, FrameChoice, Notice};
 use contactbench_scenes::origin::Origin;
 use contactbench_scenes::spec::{GENERATORS, Spec};
 use contactbench_terms::nearest::{hint, nearest};
@@ -106,12 +106,12 @@ impl Input {
         match self.origin(text)? {
             Origin::Made(spec) => {
                 let given = spec.given()?;
-                tell(text, &given.notices, Place::Spec);
+                tell(text, &given.notices);
                 Ok((given, None))
             }
             Origin::File(path, options) => {
                 let (particles, _) = load(&path, self, io::Options { ids, ..*options })?;
-                tell(text, &particles.notices, Place::Argument);
+                tell(text, &particles.notices);
                 let ids = particles.ids_copied()?;
                 Ok((particles.given(text, self.radius)?, ids))
             }
@@ -191,9 +191,9 @@ fn is_file(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-pub fn tell(name: &str, notices: &[Notice], place: Place) {
+pub fn tell(name: &str, notices: &[Notice]) {
     for notice in notices {
-        say!("{name}: {}", notice.words(place));
+        say!("{name}: {notice}");
     }
 }
 
@@ -206,7 +206,7 @@ impl Told {
     pub fn tell(&mut self, name: &str, notices: &[Notice]) {
         for notice in notices {
             if !self.0.iter().any(|told| told.is_like(notice)) {
-                tell(name, std::slice::from_ref(notice), Place::Argument);
+                tell(name, std::slice::from_ref(notice));
                 self.0.push(notice.clone());
             }
         }

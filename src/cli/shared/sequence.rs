@@ -7,8 +7,8 @@ use anyhow::{Context, ensure};
 use crate::cli::shared::input;
 use crate::cli::shared::scene::Source;
 use contactbench_io as io;
+use contactbench_io::FrameChoice;
 use contactbench_io::Given;
-use contactbench_io::{FrameChoice, Place};
 use contactbench_run::tracking::Recorded;
 use contactbench_scenes::motion::{self, Frames, Motion, MotionKind};
 
@@ -80,11 +80,11 @@ fn recorded<T>(
     let first = frames.next().transpose()?.with_context(none)?;
     // An unreadable second frame is an error only when the caller reads it.
     let Some(second) = frames.next() else {
-        input::tell(&text, &first.0.notices, Place::Argument);
+        input::tell(&text, &first.0.notices);
         let given = first.0.given(&text, radius)?;
         return moved(&name, &given, DRIFT, most, body);
     };
-    input::tell(&text, &first.0.notices, Place::Argument);
+    input::tell(&text, &first.0.notices);
     let particles = first.0.len();
     let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);

@@ -81,7 +81,7 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
                     let (particles, _) = load(FrameChoice::Number(k), survey).unwrap();
                     assert_eq!(particles.centre(0)[0], k as f64, "{ending} {cut} {k}");
                     let said = |notice: &Notice| {
-                        let words = notice.words(Place::Argument);
+                        let words = notice.to_string();
                         words.contains("is whole") || words.contains("no line feed")
                     };
                     let through = survey || ending == "csv";
@@ -106,7 +106,7 @@ fn whole_frames_are_read_from_a_file_whose_last_frame_is_being_written() {
         // Without its line feed, the last number may be cut.
         let cut = &text.as_bytes()[..text.len() - 1];
         let (particles, _) = load_from(cut, "p", ending, last).unwrap();
-        let words = |notice: &Notice| notice.words(Place::Argument).contains("no line feed");
+        let words = |notice: &Notice| notice.to_string().contains("no line feed");
         assert!(particles.notices.iter().any(words), "{ending}");
     }
 }

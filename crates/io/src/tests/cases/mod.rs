@@ -118,7 +118,7 @@ fn numbers(numbers: &[f64]) -> String {
 }
 
 fn notices(notices: &[Notice], out: &mut String) {
-    notices.iter().for_each(|it| writeln!(out, "~ {}", it.words(Place::Argument)).unwrap());
+    notices.iter().for_each(|it| writeln!(out, "~ {it}").unwrap());
 }
 
 fn frame(particles: Particles, about: &About, options: Options, out: &mut String) {

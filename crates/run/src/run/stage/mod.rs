@@ -27,7 +27,6 @@ use crate::tracking::Moved;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::scene::SceneError;
 use contactbench_io::Given;
-use contactbench_io::Place;
 use contactbench_record::cells::cells;
 use contactbench_record::experiment::{Experiment, FEWEST_BLOCKS};
 use contactbench_record::findings::winners::winners;
@@ -136,7 +135,7 @@ impl Stage<'_, '_> {
     fn note(&mut self, given: &Given) {
         let path = self.spec.params.get("path").and_then(|path| path.as_str()).unwrap_or_default();
         for notice in &given.notices {
-            let text = format!("{path}: {}", notice.words(Place::Experiment));
+            let text = format!("{path}: {notice}");
             if self.log.noted.insert(text.clone()) {
                 self.log.progress.note(&text);
             }
