@@ -75,8 +75,8 @@ pub struct RankResults {
     /// Largest memory of a rank in bytes, computed from array sizes: particles, buffers and
     /// contacts, without messages.
     pub memory_most: u64,
-    pub pairs: u64,
-    pub digest: String,
+    #[serde(flatten)]
+    pub found: Whole,
     /// Contacts that one process finds, if they were computed.
     pub whole: Option<Whole>,
     /// The commit that this program was built from.
@@ -86,6 +86,7 @@ pub struct RankResults {
     pub machine: String,
 }
 
+/// Contacts of the whole scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Whole {
     pub pairs: u64,
@@ -101,8 +102,7 @@ impl Whole {
 impl RankResults {
     /// Returns whether the contacts are those of one process; `None` if not computed by one.
     pub fn is_right(&self) -> Option<bool> {
-        let whole = self.whole.as_ref()?;
-        Some(whole.pairs == self.pairs && whole.digest == self.digest)
+        Some(*self.whole.as_ref()? == self.found)
     }
 }
 
@@ -175,7 +175,6 @@ where
     let own = Over::all(world, rank.own() as u64);
     let bytes = Over::all(world, traffic.bytes);
     let (along, around) = rank.slabs().direction();
-    let found = Whole::of(Digest { contacts, sum });
     Ok(RankResults {
         scene: String::new(),
         n: own.sum,
@@ -196,8 +195,7 @@ where
         search_ms: Times::typical(&steps, |it| it.search),
         alone_ms: Times::typical(&steps, |it| it.alone),
         memory_most: Over::all(world, memory).most,
-        pairs: found.pairs,
-        digest: found.digest,
+        found: Whole::of(Digest { contacts, sum }),
         whole: None,
         revision: provenance::revision(),
         dirty: provenance::dirty(),

@@ -227,8 +227,8 @@ fn verdict(row: &RankResults) -> Block {
             format!("WRONG: one process finds {pairs}, digest {digest}")
         }
     };
-    let (ranks, pairs) = (plural(row.ranks, "rank"), plural(row.pairs as usize, "pair"));
-    Block::paragraph(format!("{ranks}: {pairs}, digest {}: {verdict}.", row.digest))
+    let (ranks, pairs) = (plural(row.ranks, "rank"), plural(row.found.pairs as usize, "pair"));
+    Block::paragraph(format!("{ranks}: {pairs}, digest {}: {verdict}.", row.found.digest))
 }
 
 fn table(rows: &[RankResults]) -> Table {

@@ -9,7 +9,7 @@ use contactbench_detectors::table::TABLE;
 use contactbench_ranks::rank::Failure;
 use contactbench_ranks::share::Share;
 use contactbench_ranks::world::{World, threads};
-use contactbench_ranks::{RankResults, Setting, Whole, measure, whole};
+use contactbench_ranks::{RankResults, Setting, measure, whole};
 
 const MEMORY: u64 = 1 << 28;
 
@@ -60,7 +60,7 @@ fn ranks_find_the_contacts_of_one_process() {
         for (detector, ranks) in half.chain(others) {
             match ask(&given, detector, ranks) {
                 Ok(row) => {
-                    let found = Whole { pairs: row.pairs, digest: row.digest };
+                    let found = row.found;
                     assert_eq!(found, truth, "{detector}, {ranks} ranks: {scene}");
                     assert!(row.ranks == ranks && row.n == given.scene.len() as u64);
                     sent += row.sent;

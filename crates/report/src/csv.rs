@@ -61,28 +61,3 @@ pub fn summary(cells: &[Cell]) -> Table {
         .each(numbers, |table, (name, _)| table.left(name, |cell| cell.variable(name, None)))
         .into()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::table;
-    use contactbench_record::cells;
-    use contactbench_record::cells::testing::Lab;
-    use contactbench_record::record::row::{Outcome, Pass};
-
-    #[test]
-    fn every_cell_is_a_line_with_all_its_digits() {
-        let mut lab = Lab::new("e", "packed");
-        lab.detector("nbs").time(&[100, 200, 301, 400]).memory(20_000, 21_000);
-        lab.errors(Default::default(), Default::default());
-        lab.detector("direct").fail(Pass::Time, Outcome::Timeout, "30 s, the limit");
-        let text = table::csv(&[summary(&cells::cells(&lab.rows()))]);
-        assert_eq!(text.lines().count(), 3);
-        assert!(text.starts_with("experiment,scene,dim,order,n,seed,arithmetic,threads,detector,"));
-        assert!(text.contains(",timeout,\"30 s, the limit\",,,"), "{text}");
-        assert!(text.contains(",ok,,250.5,100,400,100,"), "{text}");
-        // 250 contacts; no errors by cause.
-        assert!(text.contains(",ns_per_pair,bytes_per_pair,") && text.contains(",1.002,80,250,"));
-        assert!(text.contains(",missed,") && !text.contains("search_missed"), "{text}");
-    }
-}

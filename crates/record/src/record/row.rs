@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::record::folder::file::{
-    FILE, Record, SCHEMA, WriteError, Writer, exists, read, unpacked,
-};
+pub use crate::record::folder::file::{FILE, Record, SCHEMA, Writer, exists, read, unpacked};
 use crate::record::id::CellId;
 pub use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;

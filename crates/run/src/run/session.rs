@@ -18,7 +18,7 @@ use contactbench_record::experiment::shard::Shard;
 use contactbench_record::record::folder::done::{Index, TooSlow};
 use contactbench_record::record::folder::{copies, ledger};
 use contactbench_record::record::origin::{machines, provenance};
-use contactbench_record::record::row::{Record, Row, WriteError, Writer};
+use contactbench_record::record::row::{Record, Row, Writer};
 use contactbench_record::record::{folder, row};
 
 pub struct Asked {
@@ -109,7 +109,7 @@ pub fn run(
     let log = Log { record, origins, progress, too_slow, noted, span: None, latest: Vec::new() };
     measure(&job, &scenes, &done.rows, scenes_folder.path(), log).map_err(|error| {
         let of_disk = |cause: &(dyn std::error::Error + 'static)| cause.is::<std::io::Error>();
-        match error.is::<WriteError>() || error.chain().any(of_disk) {
+        match error.chain().any(of_disk) {
             true => Stopped(error).into(),
             false => error,
         }

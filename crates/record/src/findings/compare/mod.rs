@@ -13,11 +13,11 @@ use timing::timing;
 pub use timing::{Judgement, PLACEMENT, Timing};
 pub use twins::{SEEN, pooled};
 
-use crate::cells::label::{place, swept};
+use crate::cells::label::{place, varying};
 use crate::cells::{Cell, cells, ids};
 use crate::findings::trust::noise::{Noise, nine_in_ten};
 use crate::record::column::Column;
-use crate::record::id::{CellId, FIELDS, MACHINE, Projection};
+use crate::record::id::{CellId, Projection};
 use crate::record::origin::machines::Machine;
 use crate::record::row::{Outcome, Pass, Row};
 use contactbench_terms::arithmetic::Arithmetic;
@@ -219,19 +219,12 @@ fn fill(
     }
 }
 
-/// Returns all fields, except parameters that have only one value in each scene.
+/// Returns the fields that name every cell, and all others that differ.
 fn fields(a: &Record, b: &Record) -> Vec<String> {
-    let all: Vec<&Cell> = a.cells.values().chain(b.cells.values()).collect();
-    let rarely = |name: &&str| {
-        let mut values = all.iter().map(|cell| cell.id.axis(name));
-        let first = values.next();
-        ["experiment", "order", "seed", "threads"].contains(name)
-            && values.any(|value| Some(value) != first)
-            || *name == MACHINE && all.iter().any(|cell| cell.id.machine.is_some())
-    };
-    let first = ["detector", "arithmetic", "scene", "dim", "n"].map(String::from);
-    let others = FIELDS.into_iter().filter(rarely).map(String::from);
-    first.into_iter().chain(swept(&all)).chain(others).collect()
+    let first = ["detector", "arithmetic", "scene", "dim", "n"];
+    let others = varying(&a.cells.values().chain(b.cells.values()).collect::<Vec<_>>());
+    let others = others.into_iter().filter(|name| !first.contains(&name.as_str()));
+    first.map(String::from).into_iter().chain(others).collect()
 }
 
 /// Lists outcomes, contacts, counts and bytes that differ. Values missing because of a different

@@ -111,12 +111,3 @@ fn student_is_near_the_printed_table() {
         assert!(found.abs() <= error, "{freedom}: {found:e}");
     }
 }
-
-#[test]
-fn names_are_read_back() {
-    for model in Model::ALL {
-        assert_eq!(Model::parse(model.name()), Some(model));
-    }
-    assert_eq!(Model::parse("N^2"), Some(Model::Quadratic));
-    assert_eq!(Model::parse("N^3"), None);
-}

@@ -28,18 +28,6 @@ struct Line<'a> {
     row: &'a Row,
 }
 
-/// A row could not be written. The record ends with the row before it.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "cannot write to {}: {cause}; the {rows} rows before it are complete",
-    path.display()
-)]
-pub struct WriteError {
-    pub path: PathBuf,
-    pub rows: u64,
-    pub cause: io::Error,
-}
-
 /// Appends rows to a record. Each is written as one line before the next is measured, so a killed
 /// run loses at most one row.
 pub struct Writer {
@@ -71,21 +59,16 @@ impl Writer {
 
     /// Writes one row. If that fails, for example because the disk is full, the partial line is
     /// removed.
-    pub fn write(&mut self, row: &Row) -> Result<(), WriteError> {
-        let failed = |writer: &Writer, cause| WriteError {
-            path: writer.path.clone(),
-            rows: writer.rows,
-            cause,
-        };
-        let object = serde_json::to_string(&Line { schema: SCHEMA, row })
-            .map_err(|e| failed(self, e.into()))?;
+    pub fn write(&mut self, row: &Row) -> io::Result<()> {
+        let object = serde_json::to_string(&Line { schema: SCHEMA, row })?;
         let line = seal::sealed(&object) + "\n";
         if let Err(cause) = self.file.write_all(line.as_bytes()) {
-            let _ = self
-                .file
-                .set_len(self.end)
-                .and_then(|()| self.file.seek(SeekFrom::Start(self.end)));
-            return Err(failed(self, cause));
+            let whole = self.file.set_len(self.end);
+            let _ = whole.and_then(|()| self.file.seek(SeekFrom::Start(self.end)));
+            let (path, rows) = (self.path.display(), self.rows);
+            let words = format!("the {rows} rows before it are complete");
+            let words = format!("cannot write to {path}: {cause}; {words}");
+            return Err(io::Error::new(cause.kind(), words));
         }
         self.end += line.len() as u64;
         self.rows += 1;
