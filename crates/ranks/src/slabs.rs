@@ -13,10 +13,10 @@
 //! **In a box** let g be the computed dual of vector a. By (1) of
 //! [`frame`](contactbench_lists::periodic::frame), a contact through S vectors implies |Ta -
 //! g·(xi - xj)| <= |g| (ri + rj) + the coupling of the other vectors, for a whole number Ta. So the
-//! exact places are at most that far apart on a circle of length 1. A computed place differs from the
-//! exact one by at most 4u times the sum of |g| |x|, and by another u from the modulo. The slack is
-//! twice the largest of these errors, plus an allowance for the sums here. On the circle, i reaches
-//! the slab of j downwards from its own place, or upwards through the face.
+//! exact places are at most that far apart on a circle of length 1. A computed place differs from
+//! the exact one by at most 4u times the sum of |g| |x|, and by another u from the modulo. The
+//! slack is twice the largest of these errors, plus an allowance for the sums here. On the circle,
+//! i reaches the slab of j downwards from its own place, or upwards through the face.
 
 use contactbench_ground::limits::refusal::Refusal;
 use contactbench_ground::scene::Lattice;

@@ -35,8 +35,8 @@ impl Declare for Direct {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Direct {
-    // Not inlined and with `particles` by value: in a large caller, the compiler loads two values from
-    // the stack for each pair.
+    // Not inlined and with `particles` by value: in a large caller, the compiler loads two values
+    // from the stack for each pair.
     #[inline(never)]
     fn detect<B: Particles<T, D>, P: Probe, S: Sink>(
         &mut self,

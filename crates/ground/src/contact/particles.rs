@@ -222,9 +222,9 @@ where
     }
 }
 
-/// Calls `then` as [`with_particles`] does, for a scene in any storage. A rounded test is rounded in
-/// that storage. For the exact test the scene is widened to f64, so that this test is compiled for
-/// f64 only. Fails as [`with_particles`].
+/// Calls `then` as [`with_particles`] does, for a scene in any storage. A rounded test is rounded
+/// in that storage. For the exact test the scene is widened to f64, so that this test is compiled
+/// for f64 only. Fails as [`with_particles`].
 pub fn with_stored<const D: usize, W, O>(
     scene: &Stored<'_, D>,
     test: Test,

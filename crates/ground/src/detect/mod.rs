@@ -19,9 +19,10 @@ use crate::scene::Real;
 
 /// Finds the contacts of a scene.
 ///
-/// Every pair that [`Particles::touch`] accepts is reported exactly once. The order of pairs, and of
-/// the two numbers in a pair, is not specified. Buffers kept from earlier calls may change the cost
-/// of a call, never its result. A call for a scene of the same shape as before allocates nothing.
+/// Every pair that [`Particles::touch`] accepts is reported exactly once. The order of pairs, and
+/// of the two numbers in a pair, is not specified. Buffers kept from earlier calls may change the
+/// cost of a call, never its result. A call for a scene of the same shape as before allocates
+/// nothing.
 pub trait Detector<T: Real, const D: usize> {
     /// Reports the contacts of `particles` to `sink` and the operations to `probe`.
     ///

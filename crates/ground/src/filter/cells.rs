@@ -44,8 +44,8 @@ pub struct Cells<const D: usize> {
 }
 
 impl<const D: usize> Cells<D> {
-    /// Creates the grid with the smallest cells for `particles`: the edge is the reach of the contact
-    /// test plus the margin.
+    /// Creates the grid with the smallest cells for `particles`: the edge is the reach of the
+    /// contact test plus the margin.
     pub fn new<T: Real, B: Particles<T, D>>(particles: &B) -> Result<Cells<D>, Refusal> {
         let (low, high) = bounds(particles);
         Cells::spanning(low, high, cell_reach(particles, low, high), particles.margin())

@@ -13,12 +13,14 @@ macro_rules! kinds {
             /// Finds a type by its name in VTK.
             pub fn named(name: &str) -> Option<Scalar> {
                 let name = name.to_ascii_lowercase();
-                [$((Scalar::$kind, $names)),*].into_iter().find(|it| among(it.1, &name)).map(|it| it.0)
+                let mut all = [$((Scalar::$kind, $names)),*].into_iter();
+                all.find(|it| among(it.1, &name)).map(|it| it.0)
             }
 
             /// Finds a type by its code in NumPy, without byte order.
             pub fn coded(code: &str) -> Option<Scalar> {
-                [$((Scalar::$kind, $codes)),*].into_iter().find(|it| among(it.1, code)).map(|it| it.0)
+                let mut all = [$((Scalar::$kind, $codes)),*].into_iter();
+                all.find(|it| among(it.1, code)).map(|it| it.0)
             }
 
             pub fn width(self) -> usize {

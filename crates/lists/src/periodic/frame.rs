@@ -13,17 +13,17 @@
 //!
 //! Let ca >= |ga·(p - p')| + |ga| R, and c be the largest ca. If each sum of rab over b is at most
 //! 1/4, the largest |T| is at most c + |T|/4, hence below 2c. So Ta is within |ga| R + 2c·off(a) of
-//! ga·(p - p'), where off(a) is the sum of rab: [`ReducedBox::coupling`]. Boxes with an off above 1/4
-//! are refused: their vectors are so long and so nearly coplanar that no filter in f64 can separate
-//! their images.
+//! ga·(p - p'), where off(a) is the sum of rab: [`ReducedBox::coupling`]. Boxes with an off above
+//! 1/4 are refused: their vectors are so long and so nearly coplanar that no filter in f64 can
+//! separate their images.
 //!
 //! **Which vectors.** All this holds for any vectors of the lattice. If the given vectors make many
 //! more images than the shortest ([`Lattice::reduced`]), as in a box tilted by many box lengths, H
 //! are the shortest, which are integer combinations of the given ones. They are rounded, so
 //! wherever a product with them appears above, the effect of their errors (`off_by`) is added to
 //! rab. T and the integers that bring particles into the box refer to the vectors H. Names of
-//! images and all decisions refer to the given vectors ([`ReducedBox::given`]). Given vectors that are
-//! nearly as good are kept, so that particles in the box need not be moved.
+//! images and all decisions refer to the given vectors ([`ReducedBox::given`]). Given vectors that
+//! are nearly as good are kept, so that particles in the box need not be moved.
 //!
 //! **Upright boxes.** Particles given with a tilted box often lie in the upright box instead.
 //! Moving them into the tilted box would need a copy of the scene. Upright boxes in shifted rows
@@ -233,8 +233,8 @@ impl<const D: usize> ReducedBox<D> {
         self.fraction(a, &self.origin)
     }
 
-    /// Returns the computed fraction ga·x, within 4u times [`ReducedBox::most`] of the true value; 0 if
-    /// the box is open along vector `a`.
+    /// Returns the computed fraction ga·x, within 4u times [`ReducedBox::most`] of the true value;
+    /// 0 if the box is open along vector `a`.
     pub fn fraction(&self, a: usize, x: &[f64; D]) -> f64 {
         dot(self.duals[a], *x)
     }

@@ -2,8 +2,9 @@
 //!
 //! [`battery`] uses every generator with many seeds, the hard cases, the committed regressions and
 //! random bytes. A detector keeps its buffers from scene to scene, so errors caused by earlier
-//! scenes are found, too. Each detector runs in a thread ([`subject`]), so endless loops are found. If a detector is wrong, the scene is simplified ([`shrink`](mod@shrink)) while
-//! a fresh detector is still wrong, and written as a [`regression`] file.
+//! scenes are found, too. Each detector runs in a thread ([`subject`]), so endless loops are found.
+//! If a detector is wrong, the scene is simplified ([`shrink`](mod@shrink)) while a fresh detector
+//! is still wrong, and written as a [`regression`] file.
 //!
 //! A detector in another language is a [`process`] that speaks the runner protocol, or a function
 //! of the program that calls this crate. `verify` compares a contact list of another program with

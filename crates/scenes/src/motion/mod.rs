@@ -173,8 +173,8 @@ impl Frames {
         })))
     }
 
-    /// Makes frame `k`, with its periodic box. Frames of [`MotionKind::Brownian`] are computed one after
-    /// the other, from the last frame made or, if `k` is smaller, from frame 0.
+    /// Makes frame `k`, with its periodic box. Frames of [`MotionKind::Brownian`] are computed one
+    /// after the other, from the last frame made or, if `k` is smaller, from frame 0.
     ///
     /// # Errors
     /// Fails if a coordinate overflows f64.

@@ -21,7 +21,8 @@ pub(super) struct Paths<const D: usize> {
     /// Velocities of the particles, in length per frame.
     velocities: Vec<[f64; D]>,
     walk: Walk<D>,
-    /// For [`MotionKind::Shear`]: velocity along x per unit of y, then the y where particles are at rest.
+    /// For [`MotionKind::Shear`]: velocity along x per unit of y, then the y where particles are at
+    /// rest.
     slope: f64,
     still: f64,
     /// Box and walls of a periodic scene; `None` in open space.

@@ -13,8 +13,8 @@
 //! 1. Radii are divided into levels at the largest radius divided by powers of a ratio. A radius at
 //!    a border belongs to the smaller level. The grid of a level covers the box of its particles.
 //!    Its cells are as wide as the reach of its largest radius
-//!    ([`contactbench_ground::contact::Particles::class_reach`]). In a sparse level cells are as wide
-//!    as the spacing of particles, unless a sample shows that particles crowd.
+//!    ([`contactbench_ground::contact::Particles::class_reach`]). In a sparse level cells are as
+//!    wide as the spacing of particles, unless a sample shows that particles crowd.
 //! 2. Rows of cells along x are cut into strips of 8. Strips with particles are found by a hash
 //!    (open addressing, one table per level) and sorted by row and position. A strip stores where
 //!    the particles of each of its cells begin. Every particle is copied to its place. So adjacent

@@ -7,8 +7,8 @@
 //! * A column of frames, steps or times splits the rows into frames; see [`split`].
 //! * Blank lines and lines that start with `#`, `%`, `!` or `//` are skipped. If the rows have no
 //!   header, such a line is the header if it names as many columns as the rows have.
-//! * `#` or `%` after a blank starts a comment, unless the line has the right number of columns only
-//!   with it.
+//! * `#` or `%` after a blank starts a comment, unless the line has the right number of columns
+//!   only with it.
 //! * `#format x_y_z_r` of YADE names the columns; `#format x_y_z_r_attrs` allows further ones.
 //!   `##PERIODIC:: 10 10 10` of YADE and Woo is the box; then unnamed columns are x y z r clumpId.
 //! * Without a header, two numeric columns are x,y and four are x,y,z,r. Three are x,y,z if the

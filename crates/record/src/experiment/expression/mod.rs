@@ -79,7 +79,8 @@ impl Expression {
     }
 }
 
-/// Returns the value of an expression. `value` returns that of a variable, from its name and column.
+/// Returns the value of an expression. `value` returns that of a variable, from its name and
+/// column.
 fn read(text: &str, value: &mut dyn FnMut(&str, usize) -> f64) -> Result<f64, String> {
     let mut parser = Parser { rest: text.chars().collect(), at: 0, depth: 0, value };
     let found = parser.operand(0).and_then(|found| match parser.peek() {

@@ -166,8 +166,8 @@ pub(super) fn compared(
     Finding::new(decided(bad + open == 0, bad > 0), words + &tell).about(used)
 }
 
-/// Returns how far a value is off, and whether it certainly is within its limit, or beyond. If values
-/// must be equal, it is the relative difference; otherwise it is value / limit - 1.
+/// Returns how far a value is off, and whether it certainly is within its limit, or beyond. If
+/// values must be equal, it is the relative difference; otherwise it is value / limit - 1.
 fn side(value: Estimate, limit: Estimate, equal: Option<f64>) -> (f64, (bool, bool)) {
     let gap = |value: f64, to: f64| {
         let gap = match equal {

@@ -160,8 +160,8 @@ fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> Finding {
     }
 }
 
-/// Returns the cell of another subject on the same scene, or of the same scene in another dimension,
-/// where parameters may have other defaults.
+/// Returns the cell of another subject on the same scene, or of the same scene in another
+/// dimension, where parameters may have other defaults.
 fn beside<'a>(
     cell: &Cell,
     subject: Option<&str>,

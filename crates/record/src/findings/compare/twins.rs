@@ -13,8 +13,8 @@ pub const SEEN: f64 = 1.25;
 const LUCK: f64 = 0.25;
 
 /// Voids verdicts if a twin, which is equal code, is slower or faster. If it moved far, or in more
-/// cells than chance explains, all verdicts are void, otherwise those of its scene. Returns the twin
-/// that moved most, and its factor.
+/// cells than chance explains, all verdicts are void, otherwise those of its scene. Returns the
+/// twin that moved most, and its factor.
 pub(super) fn void(found: &mut [Compared], record: &Record) -> Option<(String, f64)> {
     use Judgement::{Faster, Slower};
     let twins = |cell: &&Compared| {

@@ -16,7 +16,8 @@ use crate::run::stage::passes::{Running, SHORTEST_SAMPLE_NS};
 use contactbench_record::record::row::{Outcome, Pass, Row};
 
 const TURN_NS: u64 = 500_000;
-/// Maximum number of rounds in a block; `LONGEST` ends it earlier, after each subject had each place.
+/// Maximum number of rounds in a block; `LONGEST` ends it earlier, after each subject had each
+/// place.
 const MOST_ROUNDS: usize = 30;
 const LONGEST: Duration = Duration::from_millis(200);
 
@@ -41,8 +42,8 @@ struct TimedSubject {
 }
 
 impl Stage<'_, '_> {
-    /// Times one block of a group of subjects; returns the subjects that did not fail. `warm` is the
-    /// last block for which the processor was warmed up.
+    /// Times one block of a group of subjects; returns the subjects that did not fail. `warm` is
+    /// the last block for which the processor was warmed up.
     pub fn block(
         &mut self,
         entry: Vec<Running>,
@@ -122,17 +123,18 @@ impl Stage<'_, '_> {
     }
 }
 
-/// Takes a sample and throws it away. A block may begin on another processor than the last one ended
-/// on; in committed records its first sample is slower, by 0 to 11% in the median (docs/BIAS.md). If
-/// it fails here, it fails again in the block and is recorded there.
+/// Takes a sample and throws it away. A block may begin on another processor than the last one
+/// ended on; in committed records its first sample is slower, by 0 to 11% in the median
+/// (docs/BIAS.md). If it fails here, it fails again in the block and is recorded there.
 fn warm_up(first: &Running, block: u32, bench: &mut Bench<'_>) {
     if let Ok(mut client) = first.fresh(bench, first.processor(block)) {
         let _ = sample(&mut client, SHORTEST_SAMPLE_NS);
     }
 }
 
-/// Returns the order of a round: the rotations of the subjects, then those of the reversed order. In
-/// six rounds of three subjects, each has each place twice and follows each other one three times.
+/// Returns the order of a round: the rotations of the subjects, then those of the reversed order.
+/// In six rounds of three subjects, each has each place twice and follows each other one three
+/// times.
 fn order(round: usize, all: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..all).collect();
     let turn = round % (2 * all.max(1));
