@@ -104,10 +104,6 @@ impl<'a> Lines<'a> {
         decoded(self.line())
     }
 
-    pub fn at(&self) -> u64 {
-        self.number
-    }
-
     /// Whether the line ends with a line feed.
     pub fn ended(&self) -> bool {
         self.ended
