@@ -67,7 +67,7 @@ fn results(cells: &[Cell]) -> Table {
 pub(crate) fn measured<'a, R: Copy>(rows: Rows<R>, cell: impl Fn(R) -> &'a Cell + Copy) -> Rows<R> {
     let per = move |row: R, name: &str| {
         let cell = cell(row);
-        Some(cell.variable(name, None)? / cell.id.n.max(1) as f64 / cell.frames())
+        Some(cell.variable(name, None)? / cell.id.n.max(1) as f64)
     };
     let time = move |row: R| match cell(row).wrong_time() {
         Some(time) => table::Cell::Number(time / cell(row).id.n.max(1) as f64).wrong(),
@@ -98,4 +98,29 @@ fn wrong(cell: &Cell) -> Option<u64> {
 fn operations(cell: &Cell) -> f64 {
     let counted = Column::measured_by(Pass::Count);
     counted.filter_map(|column| cell.variable(&column.name, None)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contactbench_record::cells::cells;
+    use contactbench_record::cells::testing::Lab;
+    use contactbench_terms::moved::Moved;
+
+    /// Times of trackers are times of a step, whatever the number of frames.
+    #[test]
+    fn time_per_particle_over_time_per_pair_is_pairs_per_particle() {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[5000; 6]);
+        lab.scene("drum", 2).param("frames", 4).detector("verlet(nbs,rule=top-two,skin=0.1)");
+        let moved = Moved { particles: 100, frames: 4, contacts: 1000, ..Moved::default() };
+        lab.time(&[5000]).edit(|row| row.moved = Some(moved));
+        let cells = cells(&lab.rows());
+        let table: Table = measured(Table::of("", &cells), |it| it).into();
+        // 100 particles with 250 contacts in a frame: 2.5 pairs per particle.
+        for row in &table.rows {
+            assert_eq!(row[2..4], [table::Cell::Number(50.0), table::Cell::Number(20.0)]);
+        }
+        assert_eq!(table.rows.len(), 2);
+    }
 }

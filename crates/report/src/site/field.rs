@@ -28,7 +28,9 @@ impl Line<'_> {
     }
 
     fn date(&self) -> String {
-        self.record.day.clone() + if self.old { " (old)" } else { "" }
+        let old = if self.old { " (old)" } else { "" };
+        let disturbed = if self.record.sound() { "" } else { " (disturbed)" };
+        format!("{}{old}{disturbed}", self.record.day)
     }
 }
 

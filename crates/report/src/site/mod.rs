@@ -20,7 +20,7 @@ use contactbench_record::cells::{Cell, cells};
 use contactbench_record::experiment::Experiment;
 use contactbench_record::findings::winners::Contest;
 use contactbench_record::record::row::Row;
-use contactbench_terms::number::number;
+use contactbench_terms::number::{short, with_interval};
 use contactbench_terms::text;
 use contactbench_terms::text::html as escape;
 use field::Line;
@@ -175,7 +175,8 @@ impl Site<'_> {
     fn pages(&self) -> Vec<(PathBuf, String)> {
         let names: BTreeSet<&str> = self.lines.iter().map(|line| line.detector()).collect();
         let note = "<p class=\"note\">One row for each detector, scene and machine that was timed. \
-                    (old): a later record is of another program.</p>\n";
+                    (old): a later record is of another program. \
+                    (disturbed): other programs slowed the machine, or the record is not whole.</p>\n";
         let all: Vec<&Line<'_>> = self.lines.iter().collect();
         let field = note.to_string() + &field::table(&all, "").html("results");
         let mut pages = vec![
@@ -203,14 +204,15 @@ impl Site<'_> {
         };
         let records = self.records.iter();
         let contests = records.flat_map(|record| {
-            let chapters = record.facts.chapters.iter().filter(|chapter| chapter.asks_fastest);
+            let chapters = record.facts.chapters.iter();
+            let chapters = chapters.filter(|chapter| chapter.asks_fastest && record.sound());
             chapters.flat_map(move |chapter| {
                 chapter.winners.contests.iter().map(move |contest| (record, chapter, contest))
             })
         });
         contests.max_by_key(|(record, _, contest)| {
             let parts = contest.title.split(',').count();
-            (record.sound(), !record.older, libraries(contest).min(5), Reverse(parts))
+            (!record.older, libraries(contest).min(5), Reverse(parts))
         })
     }
 
@@ -226,12 +228,17 @@ impl Site<'_> {
             out += &format!(
                 "{sentence}{}<p class=\"note\">{cpu}, {day}. <a href=\"{page}\">All scenes of this \
                  record</a></p>\n",
-                bars(contest),
+                bars(contest, self.about),
             );
         }
+        // Only claims that state an answer, and the winners of a race, answer a question.
         let answers = |record: &Record<'_>| -> Vec<String> {
             let first = |chapter: &Chapter<'_>| match chapter.is_a_race() {
+                true if !record.sound() => {
+                    Some(Block::paragraph("no answer: times were disturbed"))
+                }
                 true => Some(Block::Paragraph(chapter.sentence())),
+                false if chapter.verdicts.iter().all(|it| it.answers.is_empty()) => None,
                 false => chapter.answers(false).into_iter().next(),
             };
             let text = |block| document::plain(&[block], usize::MAX).trim_end().to_string();
@@ -279,24 +286,27 @@ fn html(root: &str, title: &str, main: &str) -> String {
 }
 
 /// Draws the times of a scene as bars. A subject without a time has its outcome instead.
-fn bars(contest: &Contest) -> String {
+fn bars(contest: &Contest, about: &dyn Fn(&str) -> Option<About>) -> String {
     let timed = || std::iter::once(&contest.first).chain(&contest.others);
     let longest = timed().map(|it| it.per_particle).fold(0.0, f64::max);
     let mut out = format!(
-        "<table class=\"bars\"><caption>{}: time per particle, in nanoseconds</caption><tbody>\n",
+        "<table class=\"bars\"><caption>{}: time per particle, in nanoseconds, and the time over that of \
+         the first; blue: ours</caption><tbody>\n",
         escape(&contest.title)
     );
-    let mut row = |name: &str, share: f64, text: &str| {
-        let name = escape(name);
+    let mut row = |name: &str, detector: &str, share: f64, text: &str| {
+        let ours = about(detector).is_some_and(|about| about.ours);
+        let (name, class) = (escape(name), if ours { " class=\"ours\"" } else { "" });
         out += &format!(
-            "<tr><th scope=\"row\">{name}</th><td><i style=\"width:{:.1}%\"></i>{text}</td></tr>\n",
+            "<tr{class}><th scope=\"row\">{name}</th><td><i style=\"width:{:.1}%\"></i>{text}</td></tr>\n",
             70.0 * share
         );
     };
     for it in timed() {
-        let ratio = it.ratio.map_or(String::new(), |it| format!(", {} times", number(it.median)));
-        row(&it.name, it.per_particle / longest, &(number(it.per_particle) + &ratio));
+        let ratio = it.ratio.as_ref().map(|it| format!(", {} times", with_interval(it)));
+        let text = short(it.per_particle) + &ratio.unwrap_or_default();
+        row(&it.name, &it.line.detector, it.per_particle / longest, &text);
     }
-    contest.without.iter().for_each(|(name, outcome)| row(name, 0.0, outcome.name()));
+    contest.without.iter().for_each(|(name, outcome)| row(name, name, 0.0, outcome.name()));
     out + "</tbody></table>\n"
 }
