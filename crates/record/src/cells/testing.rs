@@ -80,10 +80,6 @@ impl Lab {
         self.base.id.params.insert(name.into(), AxisValue::from(value.into()));
         self
     }
-    pub fn filled(&mut self, packing_fraction: f64) -> &mut Lab {
-        self.base.stats.packing_fraction = packing_fraction;
-        self
-    }
     fn push(&mut self, pass: Pass, change: impl FnOnce(&mut Row)) -> &mut Lab {
         let mut row = Row { pass, ..self.base.clone() };
         change(&mut row);
