@@ -138,7 +138,7 @@ fn atoms(
 ) -> anyhow::Result<Rows> {
     let place = lines.place();
     let chosen = options.axes_chosen();
-    let styled = style.map(|style| styled(style));
+    let styled = style.map(styled);
     let mut rows = match styled {
         Some(Ok(columns)) => Some(columns.rows(&place, options)?),
         // An unknown style does not matter if the options choose the columns.

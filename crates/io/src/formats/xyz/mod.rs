@@ -139,10 +139,10 @@ fn declared(comment: &Comment, space: bool, options: Options) -> anyhow::Result<
     let origin = comment.get("Origin").map(|pair| pair.numbers(counts, "three finite numbers"));
     let origin = origin.transpose()?;
     let mut periodic = vectors.map(|_| [true; 3]);
-    if boundaries.periodic.is_none() {
-        if let Some(pair) = comment.get("pbc") {
-            periodic = Some(pair.flags(dim)?);
-        }
+    if boundaries.periodic.is_none()
+        && let Some(pair) = comment.get("pbc")
+    {
+        periodic = Some(pair.flags(dim)?);
     }
     let declared = vectors.is_some() || periodic.is_some() || origin.is_some();
     let origin = origin.map_or([0.0; 3], |n| [n[0], n[1], n.get(2).copied().unwrap_or(0.0)]);
