@@ -175,7 +175,7 @@ impl<'a> Chapter<'a> {
 
     /// Returns whether the answer is which subject is the fastest.
     pub fn is_a_race(&self) -> bool {
-        let answered = self.verdicts.iter().any(|verdict| !verdict.answers.is_empty());
+        let answered = self.verdicts.iter().any(|verdict| !verdict.claim.answers.is_empty());
         self.asks_fastest && !self.winners.contests.is_empty() && !answered
     }
 

@@ -108,12 +108,12 @@ fn culprit(found: &Culprit) -> Case {
 
 /// A claim about times does not fail the run.
 fn case(verdict: &claim::Verdict) -> Case {
-    let why = || format!("{}: {}", verdict.status.name(), evidence(&verdict.evidence));
-    let result = match verdict.status {
+    let why = || format!("{}: {}", verdict.evidence.status.name(), evidence(verdict));
+    let result = match verdict.evidence.status {
         claim::Status::Holds => ci::Outcome::Passed,
-        claim::Status::Fails if verdict.is_check => ci::Outcome::Failed(why()),
+        claim::Status::Fails if verdict.claim.is_check() => ci::Outcome::Failed(why()),
         claim::Status::Fails => ci::Outcome::Noted(why()),
         claim::Status::NotCovered | claim::Status::NotShown => ci::Outcome::Skipped(why()),
     };
-    Case { class: verdict.experiment.clone(), name: verdict.claim.clone(), result }
+    Case { class: verdict.experiment.clone(), name: verdict.claim.name.clone(), result }
 }

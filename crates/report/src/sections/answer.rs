@@ -10,15 +10,15 @@ const FEW: usize = 3;
 pub fn blocks(verdicts: &[Verdict], with_evidence: bool) -> Vec<Block> {
     let listed = listed(verdicts);
     let mut out = Vec::new();
-    if listed.len() < verdicts.len() && !listed.iter().any(|it| !it.answers.is_empty()) {
+    if listed.len() < verdicts.len() && !listed.iter().any(|it| !it.claim.answers.is_empty()) {
         let details = if with_evidence { " The table of claims has the numbers." } else { "" };
         out.push(Block::paragraph(format!("{}.{details}", score(verdicts))));
     }
     let item = |verdict: &&Verdict| {
         let text = Text::new().strong(format!("{}:", word(verdict)));
-        let text = text.plain(format!(" {}", verdict.claim));
+        let text = text.plain(format!(" {}", verdict.claim.name));
         if with_evidence {
-            let words = evidence(&verdict.evidence);
+            let words = evidence(verdict);
             text.plain(match words.strip_prefix("on this machine: ") {
                 Some(words) => format!(". Measured on this machine: {words}."),
                 None => format!(". Measured: {words}."),
@@ -36,8 +36,8 @@ pub fn blocks(verdicts: &[Verdict], with_evidence: bool) -> Vec<Block> {
 /// Returns the claims that answer the question. If none is marked with `answers`, returns all if
 /// they are few, else those that do not hold.
 fn listed(verdicts: &[Verdict]) -> Vec<&Verdict> {
-    let answers = |verdict: &&Verdict| !verdict.answers.is_empty();
-    let open = |verdict: &&Verdict| verdict.status != Status::Holds;
+    let answers = |verdict: &&Verdict| !verdict.claim.answers.is_empty();
+    let open = |verdict: &&Verdict| verdict.evidence.status != Status::Holds;
     if verdicts.iter().any(|verdict| answers(&verdict)) {
         return verdicts.iter().filter(answers).collect();
     }
@@ -49,9 +49,9 @@ fn listed(verdicts: &[Verdict]) -> Vec<&Verdict> {
 
 /// Returns the experiment's answer if the claim holds, else the verdict.
 fn word(verdict: &Verdict) -> String {
-    let word = match verdict.status {
-        Status::Holds if verdict.answers.is_empty() => "holds",
-        Status::Holds => &verdict.answers,
+    let word = match verdict.evidence.status {
+        Status::Holds if verdict.claim.answers.is_empty() => "holds",
+        Status::Holds => &verdict.claim.answers,
         Status::Fails => "fails",
         Status::NotCovered => "not covered",
         Status::NotShown => "not shown",

@@ -238,7 +238,7 @@ impl Site<'_> {
                     Some(Block::paragraph("no answer: times were disturbed"))
                 }
                 true => Some(Block::Paragraph(chapter.sentence())),
-                false if chapter.verdicts.iter().all(|it| it.answers.is_empty()) => None,
+                false if chapter.verdicts.iter().all(|it| it.claim.answers.is_empty()) => None,
                 false => chapter.answers(false).into_iter().next(),
             };
             let text = |block| document::plain(&[block], usize::MAX).trim_end().to_string();

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::label::{over, place, varying};
 use crate::cells::{Cell, CellId};
-use crate::findings::claim::Status;
+use crate::findings::claim::{Evidence, Status};
 use crate::findings::trust::noise::Noise;
 use crate::record::id::Projection;
 use crate::record::row::Pass;
@@ -15,26 +15,19 @@ use contactbench_terms::number::{number, percent, times, with_interval};
 const ROUNDING: f64 = 1e-12;
 const SERIES: usize = 3;
 
-pub(super) struct Finding {
-    pub status: Status,
-    pub words: String,
-    pub nothing: bool,
-    /// Whether cells that are still missing may turn a failure into success.
-    pub open: bool,
-    pub used: BTreeSet<CellId>,
-}
-
-impl Finding {
-    pub fn new(status: Status, words: String) -> Finding {
-        Finding { status, words, nothing: false, open: false, used: BTreeSet::new() }
+impl Evidence {
+    pub(super) fn new(status: Status, found: String) -> Evidence {
+        let (used, left_out) = (BTreeSet::new(), BTreeMap::new());
+        let (nothing, open, cells, uncovered, time) = (false, false, 0, None, None);
+        Evidence { status, found, nothing, open, used, cells, left_out, uncovered, time }
     }
 
-    pub fn nothing(words: &str) -> Finding {
-        Finding { nothing: true, ..Finding::new(Status::NotShown, words.into()) }
+    pub(super) fn nothing(words: &str) -> Evidence {
+        Evidence { nothing: true, ..Evidence::new(Status::NotShown, words.into()) }
     }
 
-    fn about<'a>(self, cells: impl Iterator<Item = &'a Cell>) -> Finding {
-        Finding { used: cells.map(|cell| cell.id.clone()).collect(), ..self }
+    fn about<'a>(self, cells: impl IntoIterator<Item = &'a Cell>) -> Evidence {
+        Evidence { used: cells.into_iter().map(|cell| cell.id.clone()).collect(), ..self }
     }
 }
 
@@ -66,16 +59,16 @@ fn cells_of<'a>(points: &[Valued<'a>]) -> Vec<&'a Cell> {
     points.iter().map(|point| point.cell).collect()
 }
 
-pub(super) fn constant(points: &[Valued], within: f64) -> Finding {
+pub(super) fn constant(points: &[Valued], within: f64) -> Evidence {
     let by_value = |a: &&Valued, b: &&Valued| a.of.value.total_cmp(&b.of.value);
     let (Some(low), Some(high)) = (points.iter().min_by(by_value), points.iter().max_by(by_value))
     else {
-        return Finding::nothing(NO_VALUE);
+        return Evidence::nothing(NO_VALUE);
     };
     let cells = cells_of(points);
     if points.len() < 2 {
         let words = format!("{} in the only cell; a constant needs two", number(low.of.value));
-        return Finding::new(Status::NotShown, words).about(cells.into_iter());
+        return Evidence::new(Status::NotShown, words).about(cells);
     }
     let above = |low: f64, high: f64| match (low, high) {
         _ if high <= low => 0.0,
@@ -107,7 +100,7 @@ pub(super) fn constant(points: &[Valued], within: f64) -> Finding {
         ),
     };
     let tell = if status == Status::NotShown { "; undecided" } else { "" };
-    Finding::new(status, words + tell).about(cells.into_iter())
+    Evidence::new(status, words + tell).about(cells)
 }
 
 /// Formats how far a value exceeds another, as a percentage or, if large, as a factor.
@@ -122,9 +115,9 @@ pub(super) fn compared(
     points: &[Valued],
     to: impl Fn(&Cell) -> Option<Estimate>,
     equal: Option<f64>,
-) -> Finding {
+) -> Evidence {
     if points.is_empty() {
-        return Finding::nothing(NO_VALUE);
+        return Evidence::nothing(NO_VALUE);
     }
     let sides = points.iter().filter_map(|point| {
         let limit = to(point.cell)?;
@@ -132,10 +125,10 @@ pub(super) fn compared(
         Some((point.cell, point.of.value, limit.value, gap, decided))
     });
     let sides: Vec<_> = sides.collect();
-    let used = cells_of(points).into_iter();
+    let used = cells_of(points);
     let Some(&(worst, value, limit, gap, _)) = sides.iter().max_by(|a, b| a.3.total_cmp(&b.3))
     else {
-        return Finding::new(Status::NotShown, "no cell has both sides".into()).about(used);
+        return Evidence::new(Status::NotShown, "no cell has both sides".into()).about(used);
     };
     let cells: Vec<&Cell> = points.iter().map(|it| it.cell).filter(|it| to(it).is_some()).collect();
     let bad = sides.iter().filter(|side| side.4.1).count();
@@ -163,7 +156,7 @@ pub(super) fn compared(
         (bad, _) => format!("false in {bad} of {} cells; worst: {worst}", sides.len()),
     };
     let tell = if open > 0 { format!("; undecided in {open}") } else { String::new() };
-    Finding::new(decided(bad + open == 0, bad > 0), words + &tell).about(used)
+    Evidence::new(decided(bad + open == 0, bad > 0), words + &tell).about(used)
 }
 
 /// Returns how far a value is off, and whether it certainly is within its limit, or beyond. If
@@ -186,9 +179,9 @@ fn side(value: Estimate, limit: Estimate, equal: Option<f64>) -> (f64, (bool, bo
     (gap(value.value, limit.value), decided)
 }
 
-pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
+pub(super) fn grows(points: &[Valued], wanted: Model) -> Evidence {
     if points.is_empty() {
-        return Finding::nothing(NO_VALUE);
+        return Evidence::nothing(NO_VALUE);
     }
     let mut series: BTreeMap<Projection, Vec<(f64, f64)>> = BTreeMap::new();
     for Valued { cell, of } in points {
@@ -241,9 +234,9 @@ pub(super) fn grows(points: &[Valued], wanted: Model) -> Finding {
     if more > 0 {
         parts.push(format!("and {more} more series"));
     }
-    let found = Finding::new(status, parts.join("; ")).about(cells.into_iter());
+    let found = Evidence::new(status, parts.join("; ")).about(cells);
     // Another law may fit when the missing cells are measured.
-    Finding { open: true, ..found }
+    Evidence { open: true, ..found }
 }
 
 fn misfit(choice: &Choice, off: Option<Tail>, wanted: &str) -> String {
@@ -263,7 +256,7 @@ fn misfit(choice: &Choice, off: Option<Tail>, wanted: &str) -> String {
     exponent + &law
 }
 
-pub(super) fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> Finding {
+pub(super) fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> Evidence {
     let other: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
     let mut found: Vec<(&Cell, Interval)> = Vec::new();
     for &cell in cells.iter().filter(|cell| cell.id.subject() != than) {
@@ -278,7 +271,7 @@ pub(super) fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> Find
     let used = compared.iter().copied().chain(those);
     let Some((worst, interval)) = found.iter().max_by(|a, b| a.1.high.total_cmp(&b.1.high)) else {
         let words = format!("no cell has times of both it and {than}");
-        return Finding::nothing(&words).about(used);
+        return Evidence::nothing(&words).about(used);
     };
     let noise = Noise::new(&own.iter().collect::<Vec<_>>());
     let decided = |(cell, ratio): &(&Cell, Interval)| noise.decides(&ratio.scaled(by), cell.id.n);
@@ -315,5 +308,5 @@ pub(super) fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> Find
             place(&worst.id, &varying(&compared))
         ),
     };
-    Finding::new(status, words).about(used)
+    Evidence::new(status, words).about(used)
 }

@@ -10,7 +10,7 @@ pub mod verdicts;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use kinds::{Estimate, Finding, Valued, compared, constant, faster, grows};
+use kinds::{Estimate, Valued, compared, constant, faster, grows};
 
 use crate::cells::label::{place, varying};
 use crate::cells::series::Line;
@@ -35,41 +35,35 @@ contactbench_terms::named! {
     }
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Verdict {
     pub experiment: String,
-    pub claim: String,
-    pub source: String,
-    /// The answer to the experiment's question if the claim holds; may be empty.
-    pub answers: String,
-    pub status: Status,
-    /// See [`Claim::is_check`].
-    pub is_check: bool,
+    pub claim: Claim,
     pub evidence: Evidence,
 }
 
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Evidence {
+    pub status: Status,
     pub found: String,
     pub nothing: bool,
-    pub of_machine: bool,
-    pub without: Option<Without>,
+    /// Whether cells that are still missing may turn a failure into success.
+    pub open: bool,
+    pub used: BTreeSet<CellId>,
+    /// Number of matching cells.
+    pub cells: usize,
+    /// Number of matching cells that were not used, by outcome; the key is `None` for cells that
+    /// ended well but have no value.
+    pub left_out: BTreeMap<Option<Outcome>, usize>,
     pub uncovered: Option<Gaps>,
     /// Smallest and largest time in nanoseconds per particle, if the claim is about counts or bytes
     /// of one detector.
     pub time: Option<[f64; 2]>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-pub struct Without {
-    /// Number of cells by outcome; the key is `None` for cells that ended well but have no value.
-    pub outcomes: BTreeMap<Option<Outcome>, usize>,
-    pub of: usize,
-}
-
 /// Whether a claim fails whose failure changes the exit code.
 pub fn any_failed(verdicts: &[Verdict]) -> bool {
-    verdicts.iter().any(|verdict| verdict.is_check && verdict.status == Status::Fails)
+    verdicts.iter().any(|it| it.claim.is_check() && it.evidence.status == Status::Fails)
 }
 
 /// Checks every claim of an experiment against the cells of that experiment.
@@ -77,65 +71,52 @@ pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>
     let own: Vec<Cell> =
         cells.iter().filter(|cell| cell.id.experiment == experiment.name).cloned().collect();
     let judge = |claim: &Claim| {
-        let (finding, mut evidence) = check(claim, &own);
-        evidence.found = finding.words;
-        evidence.nothing = finding.nothing;
-        evidence.of_machine = claim.uses_time();
+        let mut evidence = check(claim, &own);
         evidence.uncovered = coverage.uncovered(claim);
-        let fails = finding.status == Status::Fails && !finding.open;
-        Verdict {
-            experiment: experiment.name.clone(),
-            claim: claim.name.clone(),
-            source: claim.origin(),
-            answers: claim.answers.clone(),
-            status: match evidence.uncovered {
-                Some(_) if !fails => Status::NotCovered,
-                _ => finding.status,
-            },
-            is_check: claim.is_check(),
-            evidence,
+        if evidence.uncovered.is_some() && (evidence.status != Status::Fails || evidence.open) {
+            evidence.status = Status::NotCovered;
         }
+        Verdict { experiment: experiment.name.clone(), claim: claim.clone(), evidence }
     };
     experiment.claims.iter().map(judge).collect()
 }
 
-fn check(claim: &Claim, own: &[Cell]) -> (Finding, Evidence) {
-    let end = |finding| (finding, Evidence::default());
+fn check(claim: &Claim, own: &[Cell]) -> Evidence {
     if own.is_empty() {
-        return end(Finding::nothing("no rows of this experiment"));
+        return Evidence::nothing("no rows of this experiment");
     }
     let named = claim.filter.contains_key("detector");
     let mut cells = select::select(own, &claim.filter);
     cells.retain(|cell| named || !cell.role.is_control());
     if cells.is_empty() {
-        return end(Finding::nothing("no cell matches"));
+        return Evidence::nothing("no cell matches");
     }
     let ended = |wanted: Outcome| cells.iter().filter(move |cell| cell.overall().0 == wanted);
+    let at = |cell: &Cell| place(&cell.id, &varying(&cells));
     if let Some(first) = ended(Outcome::Wrong).next() {
-        let (count, first) = (ended(Outcome::Wrong).count(), place(&first.id, &varying(&cells)));
-        let words = format!("wrong answers in {}, first at {first}", plural(count, "cell"));
-        return end(Finding::new(Status::Fails, words));
+        let count = plural(ended(Outcome::Wrong).count(), "cell");
+        let words = format!("wrong answers in {count}, first at {}", at(first));
+        return Evidence::new(Status::Fails, words);
     }
     if let Some(first) = ended(Outcome::Crashed).find(|cell| cell.role.is_ours()) {
-        let first = place(&first.id, &varying(&cells));
-        let words = format!("a detector of this program crashed, first at {first}");
-        return end(Finding::new(Status::Fails, words));
+        let words = format!("a detector of this program crashed, first at {}", at(first));
+        return Evidence::new(Status::Fails, words);
     }
-    let finding = finding(&claim.kind, &cells, own);
-    let mut outcomes = BTreeMap::new();
-    for cell in cells.iter().filter(|cell| !finding.used.contains(&cell.id)) {
+    let mut found = finding(&claim.kind, &cells, own);
+    found.cells = cells.len();
+    for cell in cells.iter().filter(|cell| !found.used.contains(&cell.id)) {
         let outcome = cell.overall().0;
-        *outcomes.entry((!outcome.is_good()).then_some(outcome)).or_default() += 1;
+        *found.left_out.entry((!outcome.is_good()).then_some(outcome)).or_default() += 1;
     }
-    let without = Without { outcomes, of: cells.len() };
-    let without = Some(without).filter(|without| !without.outcomes.is_empty());
     let of_law = matches!(claim.kind, ClaimKind::Constant { .. } | ClaimKind::Model { .. });
-    cells.retain(|cell| finding.used.contains(&cell.id));
-    let time = if of_law && !claim.uses_time() { times(&cells) } else { None };
-    (finding, Evidence { without, time, ..Evidence::default() })
+    if of_law && !claim.uses_time() {
+        cells.retain(|cell| found.used.contains(&cell.id));
+        found.time = times(&cells);
+    }
+    found
 }
 
-fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> Finding {
+fn finding(kind: &ClaimKind, cells: &[&Cell], own: &[Cell]) -> Evidence {
     let points = |sides: &[&Expression]| -> Vec<Valued<'_>> {
         let all = |cell: &&&Cell| sides.iter().all(|side| reading(side, cell).is_some());
         let point = |&cell| Some(Valued { cell, of: reading(sides[0], cell)? });

@@ -66,8 +66,8 @@ fn each_kind_holds_and_fails() {
             claim += &format!("where = {{ detector = '{cells}' }}");
         }
         let verdict = one(&lab(), &claim);
-        assert_eq!(verdict.status.name(), status, "{line}: {:?}", verdict.evidence);
-        assert_eq!(verdict.is_check, kind != "faster");
+        assert_eq!(verdict.evidence.status.name(), status, "{line}: {:?}", verdict.evidence);
+        assert_eq!(verdict.claim.is_check(), kind != "faster");
     }
 }
 
@@ -78,8 +78,8 @@ fn wrong_cells_fail_and_missing_ones_are_counted() {
     let mut lab = lab();
     lab.detector("direct").n(100_000).fail(Pass::Count, Outcome::Timeout, "30 s");
     let verdict = one(&lab, claim);
-    let without = Without { outcomes: [(Some(Outcome::Timeout), 1)].into(), of: 7 };
-    assert_eq!((verdict.status, verdict.evidence.without), (Holds, Some(without)));
+    let Evidence { status, left_out, cells, .. } = verdict.evidence;
+    assert_eq!((status, left_out, cells), (Holds, [(Some(Outcome::Timeout), 1)].into(), 7));
     lab.fail(Pass::Memory, Outcome::Wrong, "digest");
     assert!(any_failed(&[one(&lab, claim)]));
 }
@@ -101,11 +101,16 @@ fn intervals_of_times_decide() {
         (limit("119"), Fails),
         (limit("102") + "\nwhere = { n = 10 }", NotShown),
     ] {
-        assert_eq!(one(&lab, &claim).status, status, "{claim}: {:?}", one(&lab, &claim).evidence);
+        assert_eq!(
+            one(&lab, &claim).evidence.status,
+            status,
+            "{claim}: {:?}",
+            one(&lab, &claim).evidence
+        );
     }
     lab.detector("few").time(&[1000; 4]);
     let few = one(&lab, &(limit("1e9") + "\nwhere = { detector = 'few' }"));
-    assert_eq!(few.status, NotShown);
+    assert_eq!(few.evidence.status, NotShown);
 }
 
 #[test]
@@ -123,7 +128,7 @@ fn a_limit_may_come_from_another_dimension() {
              list_step'\nthan-dim = 2\nwhere = {{ dim = 3 }}"
         );
         let verdict = one(&lab, &claim);
-        assert_eq!(verdict.status, status, "{:?}", verdict.evidence);
+        assert_eq!(verdict.evidence.status, status, "{:?}", verdict.evidence);
         assert!(!any_failed(&[verdict]));
         let own = one(&lab, &claim.replace("published", "before"));
         assert_eq!(any_failed(&[own]), status == Fails);
@@ -140,7 +145,7 @@ fn a_time_claim_needs_a_clear_ratio() {
     {
         let named = format!("where = {{ detector = '{name}' }}");
         let verdict = one(&lab, &format!("kind = 'faster'\nthan = 'b'\nby = {by}\n{named}"));
-        assert_eq!(verdict.status, status, "{name} {by}");
+        assert_eq!(verdict.evidence.status, status, "{name} {by}");
         assert!(!any_failed(&[verdict]));
     }
 }
@@ -176,7 +181,10 @@ fn covered(lab: &Lab, experiment: &Experiment) -> ([Status; 2], [usize; 3]) {
     let gaps = Coverage::new(experiment, &cells.iter().collect::<Vec<_>>()).gaps();
     assert_eq!(gaps.of, 2 * ALL.len());
     let found = judge(lab, experiment);
-    ([found[0].status, found[1].status], [gaps.missing.len(), gaps.cut, gaps.short])
+    (
+        [found[0].evidence.status, found[1].evidence.status],
+        [gaps.missing.len(), gaps.cut, gaps.short],
+    )
 }
 
 #[test]

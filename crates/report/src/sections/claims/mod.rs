@@ -3,13 +3,15 @@ pub mod verdicts;
 use crate::document::Block;
 use crate::sections::trust::coverage::gaps;
 use crate::table::Table;
-use contactbench_record::findings::claim::{Evidence, Status, Verdict, Without};
+use contactbench_record::findings::claim::{Evidence, Status, Verdict};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::{plural, short};
 
 /// Formats a score such as `24 of 26 claims hold; 1 FAILS; 1 not covered`.
 pub fn score(verdicts: &[Verdict]) -> String {
-    let count = |status: Status| verdicts.iter().filter(|verdict| verdict.status == status).count();
+    let count = |status: Status| {
+        verdicts.iter().filter(|verdict| verdict.evidence.status == status).count()
+    };
     let mut said = format!("{} of {} claims hold", count(Status::Holds), verdicts.len());
     for status in [Status::Fails, Status::NotShown, Status::NotCovered] {
         if count(status) > 0 {
@@ -19,9 +21,9 @@ pub fn score(verdicts: &[Verdict]) -> String {
     said
 }
 
-pub fn evidence(evidence: &Evidence) -> String {
-    let machine = if evidence.of_machine { "on this machine: " } else { "" };
-    let without = evidence.without.as_ref().map_or_else(String::new, left_out);
+pub fn evidence(verdict: &Verdict) -> String {
+    let Verdict { claim, evidence, .. } = verdict;
+    let machine = if claim.uses_time() { "on this machine: " } else { "" };
     let time = match evidence.time {
         Some([low, high]) if low < high => {
             format!("; {} to {} ns per particle on this machine", short(low), short(high))
@@ -29,7 +31,7 @@ pub fn evidence(evidence: &Evidence) -> String {
         Some([time, _]) => format!("; {} ns per particle on this machine", short(time)),
         None => String::new(),
     };
-    let there = format!("{machine}{}{time}{without}", evidence.found);
+    let there = format!("{machine}{}{time}{}", evidence.found, left_out(evidence));
     match &evidence.uncovered {
         None => there,
         Some(cut) if evidence.nothing => gaps(cut),
@@ -37,15 +39,17 @@ pub fn evidence(evidence: &Evidence) -> String {
     }
 }
 
-/// Formats text such as `; 4 of 7 cells have no value: 3 refused, 1 timeout`.
-fn left_out(without: &Without) -> String {
-    let part = |(outcome, count): (&Option<_>, &usize)| match outcome {
-        Some(outcome) => format!("{count} {}", Outcome::name(*outcome)),
-        None => format!("{count} not measured"),
+/// Formats text such as `; 4 of 7 cells left out: 3 refused, 1 not measured`.
+fn left_out(Evidence { cells, left_out, .. }: &Evidence) -> String {
+    if left_out.is_empty() {
+        return String::new();
+    }
+    let part = |(outcome, count): (&Option<Outcome>, &usize)| {
+        format!("{count} {}", outcome.map_or("not measured", Outcome::name))
     };
-    let parts: Vec<String> = without.outcomes.iter().map(part).collect();
-    let count: usize = without.outcomes.values().sum();
-    format!("; {count} of {} left out: {}", plural(without.of, "cell"), parts.join(", "))
+    let parts: Vec<String> = left_out.iter().map(part).collect();
+    let count: usize = left_out.values().sum();
+    format!("; {count} of {} left out: {}", plural(*cells, "cell"), parts.join(", "))
 }
 
 pub fn blocks(verdicts: &[Verdict]) -> Vec<Block> {
@@ -53,10 +57,10 @@ pub fn blocks(verdicts: &[Verdict]) -> Vec<Block> {
         return Vec::new();
     }
     let table = Table::of("", verdicts)
-        .left("claim", |it| &*it.claim)
-        .left("verdict", |it| it.status.name())
-        .left("evidence", |it| evidence(&it.evidence))
-        .left("source", |it| &*it.source);
+        .left("claim", |it| &*it.claim.name)
+        .left("verdict", |it| it.evidence.status.name())
+        .left("evidence", evidence)
+        .left("source", |it| it.claim.origin());
     vec![
         Block::table(table),
         Block::paragraph(
@@ -74,11 +78,11 @@ pub fn terminal(verdicts: &[Verdict]) -> Vec<Block> {
     }
     let several = verdicts.iter().any(|verdict| verdict.experiment != verdicts[0].experiment);
     let named = |v: &Verdict| {
-        if several { format!("{}: {}", v.experiment, v.claim) } else { v.claim.clone() }
+        if several { format!("{}: {}", v.experiment, v.claim.name) } else { v.claim.name.clone() }
     };
     let table = Table::of("", verdicts)
-        .left("", |it| it.status.name())
+        .left("", |it| it.evidence.status.name())
         .left("", named)
-        .left("", |it| evidence(&it.evidence));
+        .left("", evidence);
     vec![Block::table(table), Block::paragraph(score(verdicts))]
 }
