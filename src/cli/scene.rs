@@ -7,6 +7,7 @@ use anyhow::{Context, bail, ensure};
 use crate::cli::shared::input::Input;
 use crate::cli::shared::values;
 use contactbench_io::write::{self, SceneFormat};
+use contactbench_run::run::machine::interrupt;
 use contactbench_scenes::motion::{Frames, Motion};
 use contactbench_terms::number::plural;
 
@@ -34,6 +35,7 @@ pub struct Scene {
 
 /// Makes or reads the scene and writes it, in numbers that read back to the same bits.
 pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
+    interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let format = options.out.as_deref().map(write::scene_format).transpose()?;
     let mut given = options.input.given(&options.scene)?;
     if let Some(motion) = options.motion {

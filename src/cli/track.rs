@@ -8,6 +8,7 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::sequence::{FRAMES, Sequence, sequence};
 use crate::cli::shared::tracking;
 use crate::cli::shared::{terminal, values};
+use anyhow::ensure;
 use contactbench_detectors::oracle::SAMPLE;
 use contactbench_detectors::tracker;
 use contactbench_detectors::tracker::TrackerSpec;
@@ -83,6 +84,7 @@ fn followed(
     sequence: Sequence<'_>,
 ) -> anyhow::Result<ExitCode> {
     let Sequence { name, motion, particles, count: frames, next, .. } = sequence;
+    ensure!(particles > 0, "{name} has no particles: there is nothing to compare");
     let memory_limit = options.limit.bytes(particles);
     let expected = if frames == u64::MAX { FRAMES } else { frames };
     let check = match options.truth {

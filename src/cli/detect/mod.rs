@@ -19,6 +19,7 @@ use contactbench_io as io;
 use contactbench_io::FrameChoice;
 use contactbench_io::boxes::along;
 use contactbench_io::write::Extra;
+use contactbench_run::run::machine::interrupt;
 use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]
@@ -106,6 +107,7 @@ fn repeated(ids: &[i64]) -> anyhow::Result<Option<i64>> {
 
 /// Writes the contacts, and prints a summary on standard error.
 pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
+    interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let spec = table::parse(&options.detector)?;
     spec.usable(options.threads).context("--detector or --threads")?;
     if let Some(path) = &options.out {

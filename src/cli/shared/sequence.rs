@@ -82,10 +82,21 @@ fn recorded<T>(
     let Some(second) = frames.next() else {
         input::tell(&text, &first.0.notices);
         let given = first.0.given(&text, radius)?;
+        say!("{text}: there is one frame, so the motion is made up: {DRIFT}");
         return moved(&name, &given, DRIFT, most, body);
     };
     input::tell(&text, &first.0.notices);
     let particles = first.0.len();
+    let steps = [first.1.step, second.as_ref().ok().and_then(|second| second.1.step)];
+    if let [Some(a), Some(b)] = steps
+        && a.abs_diff(b) > 1
+    {
+        say!(
+            "{text}: the first two frames are {} steps apart, but trackers take each frame for one \
+             step: what they miss here, a code with these settings need not miss; write every step",
+            a.abs_diff(b)
+        );
+    }
     let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
     body(Sequence {

@@ -107,6 +107,10 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     drop(progress);
     all.end();
     ensure!(!all.rows.is_empty(), "{list_file}: no frame has a list");
+    ensure!(
+        all.rows.iter().any(|row| row.particles > 0),
+        "{file} has no particles: there is nothing to compare"
+    );
     print::print(options, &all)?;
     Ok(ExitCode::from(u8::from(!all.is_same())))
 }

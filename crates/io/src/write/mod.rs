@@ -12,7 +12,8 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, bail, ensure};
 
@@ -105,12 +106,32 @@ pub fn whole<T, E: From<io::Error>>(
     #[cfg(unix)]
     builder.permissions(new);
     let mut file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
+    let part = file.path().to_path_buf();
+    unfinished().push(part.clone());
     if let Some(before) = before {
         file.as_file().set_permissions(before.permissions())?;
     }
-    let done = fill(file.as_file_mut())?;
-    file.persist(path).map_err(io::Error::from)?;
-    Ok(done)
+    let done = fill(file.as_file_mut());
+    let done = done.and_then(|done| {
+        file.persist(path).map_err(io::Error::from)?;
+        Ok(done)
+    });
+    unfinished().retain(|path| *path != part);
+    done
+}
+
+/// Paths of temporary files, which a signal would leave behind.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of this process, before a signal ends it.
+pub fn remove_unfinished() {
+    for path in unfinished().iter() {
+        let _ = std::fs::remove_file(path);
+    }
 }
 
 /// Appends to a file, which is created if needed. The error names the `option` that chooses another

@@ -85,7 +85,11 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let limits = limits(options)?;
     let mut out: Box<dyn Write> =
         if options.json { Box::new(std::io::sink()) } else { Box::new(terminal::out()) };
-    let read = |path: &String| Ok((path.clone(), options.input.given(path)?));
+    let read = |path: &String| {
+        let given = options.input.given(path)?;
+        ensure!(!given.scene.is_empty(), "{path} has no particles: there is nothing to compare");
+        Ok((path.clone(), given))
+    };
     let scenes = options.scene.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let mut broken = Vec::new();
     let groups = match &options.runner {

@@ -37,6 +37,7 @@ pub fn install() -> std::io::Result<()> {
             for signal in signals.forever() {
                 if SIGNAL.swap(signal, Ordering::Relaxed) != 0 || AT_ONCE.load(Ordering::Relaxed) {
                     family::end_all();
+                    contactbench_io::write::remove_unfinished();
                     clear_line();
                     signal_hook::low_level::exit(128 + signal);
                 }
