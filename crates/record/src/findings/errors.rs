@@ -8,12 +8,7 @@ use crate::record::id::variable;
 use crate::record::row::Outcome;
 use contactbench_terms::errors::{Causes, Errors};
 
-/// One line per scene, arithmetic and group of detectors with equal errors.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ErrorTable {
-    pub lines: Vec<ErrorLine>,
-}
-
+/// The errors of detectors with equal errors, for one scene and arithmetic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorLine {
     pub detectors: String,
@@ -66,55 +61,50 @@ impl Sum {
     }
 }
 
-impl ErrorTable {
-    /// Sums over n, seeds and orders, and over parameters whose cells have no errors. Returns
-    /// `None` if nothing was compared.
-    pub fn new(cells: &[&Cell]) -> Option<ErrorTable> {
-        let compared =
-            |cell: &&&Cell| cell.errors.is_some() && cell.overall().0 != Outcome::Control;
-        let cells: Vec<&Cell> = cells.iter().filter(compared).copied().collect();
-        let swept = label::swept(&cells);
-        type Place<'a> = (String, u32, &'a str);
-        type Params = Vec<(String, AxisValue)>;
-        let mut scenes: BTreeMap<Place, BTreeMap<Params, Vec<&Cell>>> = BTreeMap::new();
-        for &cell in &cells {
-            let CellId { dim, arithmetic, params, .. } = &cell.id;
-            let params = params
-                .iter()
-                .map(|(name, value)| (variable(name), value.clone()))
-                .filter(|(name, _)| swept.contains(name) && name != "path")
-                .collect();
-            scenes
-                .entry((label::scene(&cell.id), *dim, arithmetic))
-                .or_default()
-                .entry(params)
-                .or_default()
-                .push(cell);
-        }
-        let mut found = Vec::new();
-        for ((scene, dim, arithmetic), places) in &scenes {
-            let mut lines: Vec<(String, Vec<&Cell>)> = Vec::new();
-            let all: Vec<&Cell> = places.values().flatten().copied().collect();
-            if Sum::new(&all).none() {
-                lines.push((format!("{scene} {dim}D"), all));
-            } else {
-                for (params, cells) in places {
-                    let params: String =
-                        params.iter().map(|(name, value)| format!(", {name} = {value}")).collect();
-                    lines.push((format!("{scene} {dim}D{params}"), cells.clone()));
-                }
-            }
-            for (place, cells) in lines {
-                for (detectors, sum) in folded(&cells) {
-                    let (arithmetic, scene) = (arithmetic.to_string(), place.clone());
-                    found.push(ErrorLine { detectors, arithmetic, scene, sum });
-                }
-            }
-        }
-        (!found.is_empty()).then_some(ErrorTable { lines: found })
+/// Sums over n, seeds and orders, and over parameters whose cells have no errors.
+pub fn lines(cells: &[&Cell]) -> Vec<ErrorLine> {
+    let compared = |cell: &&&Cell| cell.errors.is_some() && cell.overall().0 != Outcome::Control;
+    let cells: Vec<&Cell> = cells.iter().filter(compared).copied().collect();
+    let swept = label::swept(&cells);
+    type Place<'a> = (String, u32, &'a str);
+    type Params = Vec<(String, AxisValue)>;
+    let mut scenes: BTreeMap<Place, BTreeMap<Params, Vec<&Cell>>> = BTreeMap::new();
+    for &cell in &cells {
+        let CellId { dim, arithmetic, params, .. } = &cell.id;
+        let params = params
+            .iter()
+            .map(|(name, value)| (variable(name), value.clone()))
+            .filter(|(name, _)| swept.contains(name) && name != "path")
+            .collect();
+        scenes
+            .entry((label::scene(&cell.id), *dim, arithmetic))
+            .or_default()
+            .entry(params)
+            .or_default()
+            .push(cell);
     }
+    let mut found = Vec::new();
+    for ((scene, dim, arithmetic), places) in &scenes {
+        let mut lines: Vec<(String, Vec<&Cell>)> = Vec::new();
+        let all: Vec<&Cell> = places.values().flatten().copied().collect();
+        if Sum::new(&all).none() {
+            lines.push((format!("{scene} {dim}D"), all));
+        } else {
+            for (params, cells) in places {
+                let params: String =
+                    params.iter().map(|(name, value)| format!(", {name} = {value}")).collect();
+                lines.push((format!("{scene} {dim}D{params}"), cells.clone()));
+            }
+        }
+        for (place, cells) in lines {
+            for (detectors, sum) in folded(&cells) {
+                let (arithmetic, scene) = (arithmetic.to_string(), place.clone());
+                found.push(ErrorLine { detectors, arithmetic, scene, sum });
+            }
+        }
+    }
+    found
 }
-
 fn folded(cells: &[&Cell]) -> Vec<(String, Sum)> {
     let mut detectors: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
     for &cell in cells {

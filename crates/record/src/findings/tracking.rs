@@ -13,22 +13,17 @@ pub struct Tracking<'a> {
     pub scenes: Vec<Scene<'a>>,
 }
 
+/// Displacements are in diameters of the largest particle.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
     pub title: String,
-    pub moves: Moves,
-    /// One cell per tracker, in the order of the trackers; `None` if there is no answer.
-    pub done: Vec<Option<&'a Cell>>,
-}
-
-/// Statistics of a motion; displacements in diameters of the largest particle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moves {
     /// Mean displacement per frame.
     pub mean_way: Option<f64>,
     pub longest_way: Option<f64>,
     pub contacts: Option<f64>,
     pub born: Option<f64>,
+    /// One cell per tracker, in the order of the trackers; `None` if there is no answer.
+    pub done: Vec<Option<&'a Cell>>,
 }
 
 impl<'a> Tracking<'a> {
@@ -61,12 +56,10 @@ impl<'a> Tracking<'a> {
             let steps = (frames - 1.0).max(1.0);
             Scene {
                 title: title(*id, &swept),
-                moves: Moves {
-                    mean_way: value("mean_way"),
-                    longest_way: value("longest_way"),
-                    contacts: value("true_contacts").map(|all| all / frames),
-                    born: value("born").map(|all| all / steps),
-                },
+                mean_way: value("mean_way"),
+                longest_way: value("longest_way"),
+                contacts: value("true_contacts").map(|all| all / frames),
+                born: value("born").map(|all| all / steps),
                 done: names.iter().map(|name| done.get(name).copied().filter(judged)).collect(),
             }
         };

@@ -4,13 +4,14 @@ use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
 use contactbench_record::cells::{Cell as Measured, CellId};
-use contactbench_record::findings::errors::{ErrorLine, ErrorTable};
+use contactbench_record::findings::errors::{ErrorLine, lines};
 use contactbench_record::record::row::Outcome;
 use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::number::{percent, radii, times};
 
 pub fn section(about: &About<'_>) -> Option<Section> {
-    let found = ErrorTable::new(about.cells)?;
+    let found = lines(about.cells);
+    found.first()?;
     let how = Text::marked(
         "Pairs missed / pairs added, by cause: the *representation* of the scene (its coordinates \
          rounded, then decided exactly), the *predicate* (the arithmetic's contact test on all \
@@ -26,11 +27,12 @@ pub fn section(about: &About<'_>) -> Option<Section> {
 /// Returns one sentence on the contacts that rounding costs, and one on the time that it saves.
 pub fn answer(cells: &[&Measured]) -> Option<Text> {
     let mut worst: BTreeMap<String, f64> = BTreeMap::new();
-    for line in ErrorTable::new(cells)?.lines {
+    for line in lines(cells) {
         let worst = worst.entry(line.arithmetic.clone()).or_default();
         *worst = worst.max(share(&line));
     }
     let mut worst = Vec::from_iter(worst);
+    worst.first()?;
     worst.sort_by(|a, b| b.1.total_cmp(&a.1));
     let part = |(name, share): (String, f64)| format!("{name} up to {}", percent(share));
     let parts: Vec<String> = worst.into_iter().map(part).collect();
@@ -57,7 +59,7 @@ fn share(line: &ErrorLine) -> f64 {
     line.sum.errors.wrong() as f64 / line.sum.contacts.max(1.0)
 }
 
-fn table(found: &ErrorTable) -> Table {
+fn table(lines: &[ErrorLine]) -> Table {
     let cause = |cause: fn(&Causes) -> &Errors| {
         move |line: &ErrorLine| line.sum.causes.as_ref().map(|causes| counts(cause(causes)))
     };
@@ -66,7 +68,7 @@ fn table(found: &ErrorTable) -> Table {
         let bad = line.sum.outcomes.iter().filter(|outcome| **outcome != Outcome::Ok);
         bad.map(|outcome| outcome.name()).collect::<Vec<_>>().join(", ")
     };
-    Table::of("", &found.lines)
+    Table::of("", lines)
         .left("detectors", |line| &*line.detectors)
         .left("arithmetic", |line| &*line.arithmetic)
         .left("scene", |line| &*line.scene)

@@ -109,53 +109,37 @@ fn cell(n: u64, entry: &Entry) -> Cell {
     }
 }
 
-#[derive(Clone, Copy)]
-struct RatioRow<'a> {
-    experiment: &'a str,
-    scene: &'a str,
-    n: u64,
-    line: &'a Line,
-    entry: &'a Entry,
-}
-
 fn rows(found: &Ratios) -> Table {
     let mut all = Vec::new();
-    for SceneRatios { experiment, title, sizes, lines } in &found.scenes {
-        let mut lines: Vec<_> = lines.iter().collect();
+    for scene in &found.scenes {
+        let mut lines: Vec<_> = scene.lines.iter().collect();
         lines.sort_by(|a, b| a.line.cmp(&b.line));
         for LineRatios { line, entries, .. } in lines {
-            for (&n, entry) in sizes.iter().zip(entries) {
-                let scene = title.as_str();
-                all.extend(entry.iter().map(|entry| RatioRow {
-                    experiment,
-                    scene,
-                    n,
-                    line,
-                    entry,
-                }));
-            }
+            let entries = scene.sizes.iter().zip(entries);
+            all.extend(entries.filter_map(|(n, it)| Some((scene, line, *n, it.as_ref()?))));
         }
     }
-    let outcome = |it: RatioRow<'_>| match it.entry.control && it.entry.outcome.is_good() {
+    type Row<'a> = (&'a SceneRatios, &'a Line, u64, &'a Entry);
+    let outcome = |(.., it): Row<'_>| match it.control && it.outcome.is_good() {
         true => "control",
-        false => it.entry.outcome.name(),
+        false => it.outcome.name(),
     };
-    let end = |k: usize| move |it: RatioRow<'_>| Some(it.entry.ratio.as_ref()?.ends()?[k]);
+    let end = |k: usize| move |(.., it): Row<'_>| Some(it.ratio.as_ref()?.ends()?[k]);
     Table::of("", all)
-        .left("experiment", |it| it.experiment)
-        .left("scene", |it| it.scene)
-        .left("n", |it| it.n)
-        .left("detector", |it| &*it.line.detector)
-        .left("arithmetic", |it| &*it.line.arithmetic)
-        .left("threads", |it| u64::from(it.line.threads))
+        .left("experiment", |(scene, ..)| &*scene.experiment)
+        .left("scene", |(scene, ..)| &*scene.title)
+        .left("n", |(_, _, n, _)| n)
+        .left("detector", |(_, line, ..)| &*line.detector)
+        .left("arithmetic", |(_, line, ..)| &*line.arithmetic)
+        .left("threads", |(_, line, ..)| u64::from(line.threads))
         .left("outcome", outcome)
-        .left("time_ns_median", |it| it.entry.time_ns)
-        .left("ratio", |it| it.entry.ratio.map(|ratio| ratio.median))
+        .left("time_ns_median", |(.., it)| it.time_ns)
+        .left("ratio", |(.., it)| it.ratio.map(|ratio| ratio.median))
         .left("low", end(0))
         .left("high", end(1))
-        .left("blocks", |it| it.entry.ratio.map(|ratio| ratio.count as u64))
+        .left("blocks", |(.., it)| it.ratio.map(|ratio| ratio.count as u64))
         .left("reference", |_| &*found.reference)
-        .left("reference_arithmetic", |it| it.entry.base.as_deref())
-        .left("reason", |it| &*it.entry.reason)
+        .left("reference_arithmetic", |(.., it)| it.base.as_deref())
+        .left("reason", |(.., it)| &*it.reason)
         .into()
 }

@@ -77,10 +77,10 @@ fn value(cell: &Measured, name: &str) -> f64 {
 fn motions(found: &Tracking) -> Block {
     let table = Table::of("", &found.scenes)
         .left("scene", |scene| &*scene.title)
-        .unit("mean step", "diameters", |scene| scene.moves.mean_way)
-        .unit("longest", "diameters", |scene| scene.moves.longest_way)
-        .right("contacts in a frame", |scene| scene.moves.contacts)
-        .right("new", |scene| scene.moves.born);
+        .unit("mean step", "diameters", |scene| scene.mean_way)
+        .unit("longest", "diameters", |scene| scene.longest_way)
+        .right("contacts in a frame", |scene| scene.contacts)
+        .right("new", |scene| scene.born);
     Block::table(table)
 }
 
