@@ -3,7 +3,6 @@
 
 mod classes;
 mod hgrid;
-mod parameters;
 mod particles;
 mod periodic;
 mod rules;

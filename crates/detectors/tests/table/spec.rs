@@ -1,5 +1,6 @@
 use contactbench_detectors::spec::{DetectorSpec, parse};
 use contactbench_detectors::table;
+use contactbench_detectors::table::{Role, judges};
 use contactbench_ground::wide::Level;
 
 /// Choices contain each word once and each form with each level, but no numbers.
@@ -33,4 +34,12 @@ fn the_normal_form_is_sorted_without_defaults_and_parses_to_itself() {
     for entry in table::TABLE {
         assert_eq!(parse(entry.name).unwrap(), DetectorSpec::from(entry));
     }
+}
+
+#[test]
+fn ranks_of_judges_are_distinct() {
+    let judges = judges();
+    assert!(judges.iter().all(|entry| entry.role == Role::Detector));
+    let places: Vec<u8> = judges.iter().map(|entry| entry.judge).collect();
+    assert_eq!(places, [1, 2, 3, 4]);
 }
