@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::limits::memory;
-use contactbench_ground::limits::refusal::reserve;
+use contactbench_ground::pairs::normalise::smaller_first;
 use contactbench_ground::periodic::ContactList;
 use contactbench_ground::periodic::Loaded;
 use contactbench_lists::track::Tracker;
@@ -96,7 +96,10 @@ impl Handle {
                 None => work(),
             };
             answer.built = found.inspect_err(|_| answer.contacts.clear())?.built;
-            answer.finish(given.lattice.is_some(), given.scene.dim())
+            smaller_first(&mut answer.contacts.plain);
+            answer.boxed = given.lattice.is_some();
+            let dim = if answer.boxed { given.scene.dim() } else { 0 };
+            Ok(answer.contacts.flatten(dim, &mut answer.images)?)
         })
     }
 
@@ -160,23 +163,6 @@ impl Filled {
         self.contacts.clear();
         self.images.clear();
         (self.boxed, self.built) = (false, false);
-    }
-
-    /// Converts the contacts to the caller's form.
-    fn finish(&mut self, boxed: bool, dim: usize) -> Result<(), Failure> {
-        contactbench_ground::pairs::normalise::smaller_first(&mut self.contacts.plain);
-        self.boxed = boxed;
-        if !boxed {
-            return Ok(());
-        }
-        let ContactList { plain, shifted } = &mut self.contacts;
-        reserve(&mut self.images, (plain.len() + shifted.len()) * dim)?;
-        reserve(plain, shifted.len())?;
-        self.images.resize(plain.len() * dim, 0);
-        self.images.extend(shifted.iter().flat_map(|pair| pair.image[..dim].iter()));
-        plain.extend(shifted.iter().map(|pair| [pair.i, pair.j]));
-        shifted.clear();
-        Ok(())
     }
 
     /// Returns two particle numbers per contact.

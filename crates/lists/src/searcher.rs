@@ -61,19 +61,6 @@ impl Searcher {
         self.find(scene.frame(arithmetic), None, contacts)
     }
 
-    /// Runs one detection as [`Searcher::list`] does, and counts every operation.
-    pub fn count(
-        &mut self,
-        scene: &Loaded<'_>,
-        arithmetic: Arithmetic,
-        contacts: &mut ContactList,
-    ) -> Result<Tally, Refusal> {
-        let mut tally = Tally::default();
-        contacts.clear();
-        self.find(scene.frame(arithmetic), Some(&mut tally), contacts)?;
-        Ok(tally)
-    }
-
     /// Appends the contacts to the lists, and counts operations if `tally` is given. Fails as
     /// [`Searcher::list`]; the lists are then unchanged.
     pub fn find(

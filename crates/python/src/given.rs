@@ -130,22 +130,13 @@ type Images = Py<PyArray2<i32>>;
 /// Returns the pairs (M, 2), with the smaller number first, and in a box the images (M, D).
 pub fn answer(
     py: Python<'_>,
-    contacts: ContactList,
+    mut contacts: ContactList,
     boxed: Option<usize>,
 ) -> PyResult<(Pairs, Option<Images>)> {
-    let ContactList { plain: mut pairs, shifted } = contacts;
-    let images = match boxed {
-        Some(dim) => {
-            let mut images = Vec::new();
-            reserve(&mut images, (pairs.len() + shifted.len()) * dim).map_err(Failure::from)?;
-            images.resize(pairs.len() * dim, 0);
-            images.extend(shifted.iter().flat_map(|pair| &pair.image[..dim]));
-            Some(rows(py, images, dim)?)
-        }
-        None => None,
-    };
-    reserve(&mut pairs, shifted.len()).map_err(Failure::from)?;
-    pairs.extend(shifted.iter().map(|pair| [pair.i, pair.j]));
+    let mut images = Vec::new();
+    contacts.flatten(boxed.unwrap_or(0), &mut images).map_err(Failure::from)?;
+    let images = boxed.map(|dim| rows(py, images, dim)).transpose()?;
+    let mut pairs = contacts.plain;
     pairs.shrink_to_fit();
     Ok((rows(py, pairs.into_flattened(), 2)?, images))
 }

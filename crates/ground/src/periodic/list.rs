@@ -56,6 +56,20 @@ impl ContactList {
         Ok(pairs)
     }
 
+    /// Moves all contacts to `plain`, and appends `dim` numbers per contact to `images`.
+    ///
+    /// # Errors
+    /// Returns [`Refusal::Exhausted`] if memory runs out.
+    pub fn flatten(&mut self, dim: usize, images: &mut Vec<i32>) -> Result<(), Refusal> {
+        let ContactList { plain, shifted } = self;
+        reserve(images, (plain.len() + shifted.len()) * dim)?;
+        reserve(plain, shifted.len())?;
+        images.resize(images.len() + plain.len() * dim, 0);
+        images.extend(shifted.iter().flat_map(|pair| &pair.image[..dim]));
+        plain.extend(shifted.drain(..).map(|pair| [pair.i, pair.j]));
+        Ok(())
+    }
+
     /// Sorts both lists in place, with the smaller particle of each pair first.
     pub fn sort(&mut self) {
         normalise(&mut self.plain);

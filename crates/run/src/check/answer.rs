@@ -12,6 +12,7 @@ use contactbench_ground::limits::refusal::{Refusal, no_memory, panic_text};
 use contactbench_ground::pairs::sink::{Digest, Sink};
 use contactbench_ground::periodic::Loaded;
 use contactbench_ground::periodic::{ContactList, ImagePair};
+use contactbench_ground::probe::Tally;
 use contactbench_io::Given;
 use contactbench_lists::searcher::Searcher;
 
@@ -106,7 +107,8 @@ pub fn answer(
                 visited?;
             }
             Loaded::InBox(_) => {
-                let counted = searcher.count(scene, arithmetic, &mut contacts);
+                let (frame, mut tally) = (scene.frame(arithmetic), Tally::default());
+                let counted = searcher.find(frame, Some(&mut tally), &mut contacts);
                 reported = searcher.found_in_box();
                 counted?;
             }

@@ -146,11 +146,10 @@ impl Server {
                 self.fetch(k)?;
                 let seen = meter.during(|| self.step(k, None))?;
                 steps.push(self.contacts.digest(), &seen.step);
-                let of_frame = match (&self.tracker, &self.frame) {
-                    (Some(tracker), _) => tracker.formula_bytes(),
-                    (None, _) => self.searcher.formula_bytes(),
-                };
-                formula = formula.max(of_frame);
+                formula = formula.max(match &self.tracker {
+                    Some(tracker) => tracker.formula_bytes(),
+                    None => self.searcher.formula_bytes(),
+                });
             }
             usage.push(meter.end());
         }

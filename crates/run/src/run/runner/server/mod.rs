@@ -166,25 +166,16 @@ impl Server {
             return Err(Reply::Error { reason: format!("frame {k} is not there") });
         };
         let start = Instant::now();
-        let step = match (tracker, tally) {
-            (None, None) => searcher.list(scene, *arithmetic, contacts).map(|()| Step::default()),
-            (None, Some(tally)) => searcher.count(scene, *arithmetic, contacts).map(|counted| {
-                *tally = counted;
-                Step::default()
-            }),
-            (Some(tracker), tally) => {
-                contacts.clear();
-                tracker.find(scene.frame(*arithmetic), tally, contacts)
-            }
+        contacts.clear();
+        let frame = scene.frame(*arithmetic);
+        let step = match tracker {
+            None => searcher.find(frame, tally, contacts).map(|()| Step::default()),
+            Some(tracker) => tracker.find(frame, tally, contacts),
         };
         let ns = start.elapsed().as_nanos() as u64;
-        match step {
-            Ok(step) => Ok(Seen { step, ns }),
-            Err(refusal) => {
-                let reason = format!("{}{refusal}", place(&self.frames, k, ": "));
-                Err(Reply::Refused { reason })
-            }
-        }
+        let refused = |refusal| format!("{}{refusal}", place(&self.frames, k, ": "));
+        let step = step.map_err(|refusal: Refusal| Reply::Refused { reason: refused(refusal) })?;
+        Ok(Seen { step, ns })
     }
 
     fn fetch(&mut self, k: usize) -> Answered<()> {
