@@ -25,22 +25,24 @@ pub fn stored_rate(cell: &Cell) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cells;
-    use crate::cells::testing::errors_lab as lab;
+    use crate::cells::testing::Lab;
+    use crate::cells::{self, Cell};
     use crate::record::column;
     use contactbench_terms::errors::Errors;
 
+    /// Storage loses 20 of 250 contacts and adds 5, and the predicate loses one.
     #[test]
     fn every_error_has_a_variable() {
-        let cells = cells::cells(&lab().rows());
-        let find = |arithmetic: &str, offset: f64| {
-            let is = |cell: &&Cell| {
-                let own = cell.variable("offset", None);
-                cell.id.arithmetic == arithmetic && own == Some(offset)
-            };
-            cells.iter().find(is).unwrap()
-        };
-        let cell = find("f32", 1000.0);
+        let errors = |missed, spurious| Errors { missed, spurious, ..Errors::default() };
+        let representation = Errors { deepest_miss: 0.25, ..errors(20, 5) };
+        let [predicate, stored] = [errors(1, 0); 2];
+        let causes = Causes { representation, predicate, stored, ..Causes::default() };
+        let all = Errors { self_pairs: 2, deepest_miss: 0.25, ..errors(21, 5) };
+        let mut lab = Lab::new("e", "packed");
+        lab.arithmetic("f32").count(&[]).errors(all, causes);
+        lab.arithmetic("exact").count(&[]).errors(Errors::default(), Causes::default());
+        let cells = cells::cells(&lab.rows());
+        let [exact, cell]: &[Cell; 2] = cells.as_array().unwrap();
         for (name, expected) in [
             ("missed", 21.0),
             ("self_pairs", 2.0),
@@ -56,7 +58,7 @@ mod tests {
         }
         assert!(column::errors().all(|error| cell.variable(&error.name, None).is_some()));
         assert_eq!((rate(cell), stored_rate(cell)), (Some(28.0 / 250.0), Some(1.0 / 235.0)));
-        assert_eq!(rate(find("exact", 0.0)), Some(0.0));
+        assert_eq!(rate(exact), Some(0.0));
         // The sum of missed and spurious pairs must not overflow.
         let most = Errors { missed: u64::MAX, spurious: 1, ..Errors::default() };
         assert_eq!(most.wrong(), u64::MAX);

@@ -6,28 +6,10 @@
 //! k threads. It can exceed 1, because k threads share their caches on one scene, and k copies
 //! share nothing.
 
-use std::collections::BTreeMap;
-
 use crate::cells::series::{Line, Seeds};
 use crate::cells::{Cell, series};
 use crate::record::row::Outcome;
-use crate::stats::interval::{Interval, median};
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct Threads {
-    pub typical: Vec<Typical>,
-    pub gains: Vec<Gain>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct Typical {
-    pub name: String,
-    pub scenes: usize,
-    pub speedup: f64,
-    pub least: f64,
-    pub most: f64,
-    pub fraction: Option<f64>,
-}
+use crate::stats::interval::Interval;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gain {
@@ -42,27 +24,20 @@ pub struct Gain {
     pub failure: Option<(Outcome, String)>,
 }
 
-impl Threads {
-    pub fn new(cells: &[&Cell]) -> Option<Threads> {
-        let (label, mut gains) = (series::labels(cells), Vec::new());
-        for group in series::groups(cells) {
-            for n in group.sizes() {
-                for line in group.lines.keys().filter(|line| line.threads > 1) {
-                    let alone = Line { threads: 1, ..line.clone() };
-                    let both = group.at(line, n).zip(group.at(&alone, n));
-                    let gain = both.and_then(|(many, one)| {
-                        gain(&group.title, n, line, label(&alone), one, many)
-                    });
-                    gains.extend(gain);
-                }
+pub fn gains(cells: &[&Cell]) -> Vec<Gain> {
+    let (label, mut gains) = (series::labels(cells), Vec::new());
+    for group in series::groups(cells) {
+        for n in group.sizes() {
+            for line in group.lines.keys().filter(|line| line.threads > 1) {
+                let alone = Line { threads: 1, ..line.clone() };
+                let both = group.at(line, n).zip(group.at(&alone, n));
+                let gain = both
+                    .and_then(|(many, one)| gain(&group.title, n, line, label(&alone), one, many));
+                gains.extend(gain);
             }
         }
-        let mut by_line: BTreeMap<&Line, Vec<&Gain>> = BTreeMap::new();
-        gains.iter().for_each(|gain| by_line.entry(&gain.line).or_default().push(gain));
-        let typical =
-            by_line.into_iter().filter_map(|(line, gains)| typical(label(line), &gains)).collect();
-        (!gains.is_empty()).then_some(Threads { typical, gains })
     }
+    gains
 }
 
 /// Returns the gain by threads; `None` unless all cells ended well.
@@ -91,19 +66,6 @@ fn gain(
     })
 }
 
-fn typical(name: String, gains: &[&Gain]) -> Option<Typical> {
-    let speedups: Vec<f64> = gains.iter().map(|gain| gain.speedup.median).collect();
-    let fractions: Vec<f64> = gains.iter().filter_map(|gain| Some(gain.fraction?.median)).collect();
-    Some(Typical {
-        name,
-        scenes: speedups.len(),
-        speedup: median(&speedups)?,
-        least: speedups.iter().copied().fold(f64::INFINITY, f64::min),
-        most: speedups.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        fraction: median(&fractions),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,13 +78,13 @@ mod tests {
         // The machine slows down from block to block; ratios stay the same.
         let times = |unit: u64| (1..=15).map(|block| unit * (100 + block)).collect::<Vec<u64>>();
         lab.detector("direct").time(&times(12)).count(&[]);
-        assert_eq!(lab.find(Threads::new), None);
+        assert_eq!(lab.find(gains), []);
         lab.threads(2).time(&times(8)).copies(&times(12), &times(15));
         lab.threads(4).time(&times(6)).fail(Pass::Ceiling, Outcome::OutOfMemory, "no room for 4");
         lab.threads(1).detector("nbs").time(&times(1));
         let good = lab.find(|cells| cells.iter().all(|cell| cell.overall().0 == Outcome::Ok));
         assert!(good, "failed copies are not the detector's failure");
-        let found = lab.find(Threads::new).unwrap();
+        let found = lab.find(gains);
         let is = |found: Interval, value: f64| {
             let ends = [found.low, found.median, found.high];
             assert!(
@@ -130,7 +92,7 @@ mod tests {
                 "{found:?}"
             );
         };
-        let [two, four] = &*found.gains else { panic!("{found:?}") };
+        let [two, four] = &*found else { panic!("{found:?}") };
         assert_eq!((&*two.scene, &*two.name, two.line.threads), ("packed, 2D", "direct", 2));
         is(two.speedup, 12.0 / 8.0);
         is(two.ceiling.unwrap(), 2.0 * 12.0 / 15.0);
@@ -138,12 +100,5 @@ mod tests {
         is(four.speedup, 2.0);
         assert_eq!((four.ceiling, four.fraction, &two.failure), (None, None, &None));
         assert_eq!(four.failure, Some((Outcome::OutOfMemory, "no room for 4".into())));
-        let first = &found.typical[0];
-        assert_eq!((&*first.name, first.scenes), ("direct (2 threads)", 1));
-        for (value, expected) in
-            [(first.speedup, 1.5), (first.most, 1.5), (first.fraction.unwrap(), 15.0 / 16.0)]
-        {
-            assert!((value - expected).abs() < 1e-9, "{first:?}");
-        }
     }
 }

@@ -21,7 +21,7 @@ use crate::cells::{Cell, series};
 use crate::findings::claim::every::{Scene, every};
 use crate::findings::trust::noise::Noise;
 use crate::record::row::Outcome;
-use crate::stats::interval::{Interval, median};
+use crate::stats::interval::Interval;
 use contactbench_terms::arithmetic::Arithmetic;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,34 +54,14 @@ pub struct RankedSubject {
     pub slower: bool,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tally {
-    pub scenes: usize,
-    pub undecided: usize,
-    pub untimed: usize,
-    pub wins: Vec<Wins>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct Wins {
-    pub detector: String,
-    /// Time of the runner-up divided by the time of this detector, for each scene.
-    pub margins: Vec<f64>,
-}
-
 pub fn winners(cells: &[&Cell]) -> Winners {
     let noise = Noise::new(cells);
     let scenes = every(cells);
     let taking_part: Vec<&Cell> =
-        scenes.iter().flat_map(|scene| plainest(&able(&scene.cells), &noise, detector)).collect();
+        scenes.iter().flat_map(|scene| plainest(&able(&scene.cells), &noise)).collect();
     let label = series::labels(&taking_part);
-    let name = |cell: &Cell| label(&Line::new(cell));
-    let contests = scenes.iter().filter_map(|scene| contest(scene, &noise, detector, name));
+    let contests = scenes.iter().filter_map(|scene| contest(scene, &noise, label));
     Winners { scenes: scenes.len(), contests: contests.collect() }
-}
-
-fn detector(cell: &Cell) -> String {
-    cell.id.detector.clone()
 }
 
 fn is_able(cell: &Cell) -> bool {
@@ -97,11 +77,11 @@ pub fn time(cell: &Cell) -> f64 {
     cell.time().map_or(f64::INFINITY, |time| time.median)
 }
 
-fn plainest<'a>(cells: &[&'a Cell], noise: &Noise, who: impl Fn(&Cell) -> String) -> Vec<&'a Cell> {
+fn plainest<'a>(cells: &[&'a Cell], noise: &Noise) -> Vec<&'a Cell> {
     let setting = |cell: &Cell| (cell.id.threads(), cell.id.arithmetic != Arithmetic::Exact.name());
-    let mut forms: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
+    let mut forms: BTreeMap<&str, Vec<&Cell>> = BTreeMap::new();
     for &cell in cells {
-        let known = forms.entry(who(cell)).or_default();
+        let known = forms.entry(&cell.id.detector).or_default();
         match known.first().map(|first| setting(cell).cmp(&setting(first))) {
             Some(Ordering::Greater) => {}
             Some(Ordering::Less) => *known = vec![cell],
@@ -142,28 +122,23 @@ pub fn by_ratio(mut cells: Vec<&Cell>) -> Vec<&Cell> {
     cells
 }
 
-/// The contest of one scene; `None` if no cell has a time. `who` gives the subject of a cell,
-/// `name` its label.
-pub fn contest(
-    scene: &Scene<'_>,
-    noise: &Noise,
-    who: impl Fn(&Cell) -> String,
-    name: impl Fn(&Cell) -> String,
-) -> Option<Contest> {
-    let order = plainest(&able(&scene.cells), noise, &who);
+/// The contest of one scene; `None` if no cell has a time.
+fn contest(scene: &Scene<'_>, noise: &Noise, label: impl Fn(&Line) -> String) -> Option<Contest> {
+    let order = plainest(&able(&scene.cells), noise);
     let (first, others) = order.split_first()?;
-    let taking_part: BTreeSet<String> = order.iter().map(|cell| who(cell)).collect();
+    let taking_part: BTreeSet<&str> = order.iter().map(|cell| &*cell.id.detector).collect();
     let mut without: BTreeMap<String, Outcome> = BTreeMap::new();
     for cell in scene.cells.iter().filter(|cell| !cell.role.is_control()) {
-        let (name, outcome) = (who(cell), cell.overall().0);
-        if !taking_part.contains(&name) {
+        let (name, outcome) = (&cell.id.detector, cell.overall().0);
+        if !taking_part.contains(&**name) {
             // The worst outcome counts.
-            let known = without.entry(name).or_insert(outcome);
+            let known = without.entry(name.clone()).or_insert(outcome);
             *known = max_by_key(*known, outcome, |it| (*it == Outcome::Wrong, *it));
         }
     }
     let subject = |cell: &Cell| {
-        let (line, name) = (Line::new(cell), name(cell));
+        let line = Line::new(cell);
+        let name = label(&line);
         let other = cell.id != first.id;
         let [ratio, cold] =
             [cell.ratio(first), cell.cold_ratio(first)].map(|it| it.filter(|_| other));
@@ -184,34 +159,23 @@ impl Contest {
     }
 }
 
-impl Tally {
-    pub fn new(winners: &Winners) -> Tally {
-        let contests = &winners.contests;
-        let mut wins: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        for contest in contests.iter().filter(|contest| contest.decided()) {
-            let next = contest.others.first().and_then(|next| next.ratio);
-            wins.entry(&contest.first.line.detector)
-                .or_default()
-                .extend(next.map(|ratio| ratio.median));
-        }
-        let wins =
-            wins.into_iter().map(|(detector, margins)| Wins { detector: detector.into(), margins });
-        let mut wins: Vec<Wins> = wins.collect();
-        wins.sort_by_key(|wins| std::cmp::Reverse(wins.margins.len()));
-        Tally {
-            scenes: winners.scenes,
-            undecided: contests.iter().filter(|contest| !contest.decided()).count(),
-            untimed: winners.scenes - contests.len(),
-            wins,
-        }
+impl Winners {
+    pub fn undecided(&self) -> usize {
+        self.contests.iter().filter(|contest| !contest.decided()).count()
     }
-}
 
-impl Wins {
-    pub fn margin(&self) -> Option<(f64, f64, f64)> {
-        let [least, most] =
-            [f64::min, f64::max].map(|pick| self.margins.iter().copied().reduce(pick));
-        Some((median(&self.margins)?, least?, most?))
+    /// Returns the detectors that win a scene, those with the most wins first, with the time of the
+    /// runner-up over their own for each scene.
+    pub fn wins(&self) -> Vec<(&str, Vec<f64>)> {
+        let mut wins: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        for contest in self.contests.iter().filter(|contest| contest.decided()) {
+            let next = contest.others.first().and_then(|next| next.ratio);
+            let margins = wins.entry(&contest.first.line.detector).or_default();
+            margins.extend(next.map(|ratio| ratio.median));
+        }
+        let mut wins = Vec::from_iter(wins);
+        wins.sort_by_key(|(_, margins)| std::cmp::Reverse(margins.len()));
+        wins
     }
 }
 
@@ -258,9 +222,8 @@ mod tests {
         assert_eq!(next.name, "sorting (exact)");
         assert!((next.ratio.unwrap().median - 2.5).abs() < 1e-9);
         assert_eq!((next.per_particle, next.per_pair), (2.5, Some(1.0)));
-        let tally = Tally::new(&winners);
-        assert_eq!((tally.scenes, tally.undecided), (4, 2));
-        let wins = tally.wins.iter().map(|wins| (&*wins.detector, wins.margins.len()));
+        assert_eq!((winners.scenes, winners.undecided()), (4, 2));
+        let wins = winners.wins().into_iter().map(|(name, margins)| (name, margins.len()));
         assert_eq!(wins.collect::<Vec<_>>(), [("nbs", 1), ("sorting", 1)]);
     }
 
@@ -324,7 +287,7 @@ mod tests {
             let slower: Vec<_> = contest.others.iter().map(|it| (&*it.name, it.slower)).collect();
             assert_eq!((&*contest.first.name, &*slower), (first, others), "{times:?}");
             let decided = others.iter().all(|(_, slower)| *slower);
-            assert_eq!((contest.decided(), Tally::new(&found).undecided == 0), (decided, decided));
+            assert_eq!((contest.decided(), found.undecided() == 0), (decided, decided));
         }
     }
 

@@ -34,6 +34,12 @@ fn middle(sorted: &[f64]) -> Option<f64> {
     }
 }
 
+/// The smallest value, the median, and the largest.
+pub fn spread(values: &[f64]) -> Option<[f64; 3]> {
+    let sorted = sorted(values);
+    Some([*sorted.first()?, middle(&sorted)?, *sorted.last()?])
+}
+
 /// Median absolute deviation from the median, not scaled to a standard deviation.
 pub fn mad(values: &[f64]) -> Option<f64> {
     let centre = median(values)?;

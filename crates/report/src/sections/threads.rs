@@ -1,29 +1,17 @@
+use std::collections::BTreeMap;
+
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
 use contactbench_record::cells::Cell as Measured;
-use contactbench_record::findings::threads::{Gain, Threads, Typical};
-use contactbench_record::stats::interval::Interval;
+use contactbench_record::cells::series::{Line, labels};
+use contactbench_record::findings::threads::{Gain, gains};
+use contactbench_record::stats::interval::{Interval, median, spread};
 use contactbench_terms::number::{percent, plural, with_ends};
 
 pub fn section(about: &About<'_>) -> Option<Section> {
-    let found = Threads::new(about.cells)?;
-    Some(Section {
-        heading: "What threads gain".into(),
-        blocks: blocks(&found),
-        csv: Some(("threads.csv", rows(&found))),
-    })
-}
-
-/// Returns one sentence per detector, without twins.
-pub fn answer(cells: &[&Measured]) -> Vec<Block> {
-    let own: Vec<&Measured> =
-        cells.iter().filter(|cell| !cell.role.is_control()).copied().collect();
-    let found = Threads::new(&own).map_or_else(Vec::new, |found| found.typical);
-    found.iter().map(|typical| Block::Paragraph(sentence(typical))).collect()
-}
-
-fn blocks(found: &Threads) -> Vec<Block> {
+    let gains = gains(about.cells);
+    gains.first()?;
     let how = Text::marked(
         "Speed-up: the time with one thread over the time with several. Ceiling: the throughput of \
          as many independent copies of the one-thread program, run at the same time, over that of \
@@ -31,28 +19,45 @@ fn blocks(found: &Threads) -> Vec<Block> {
          share cache lines and copies do not. All are paired within blocks; the numbers are in \
          `threads.csv`.",
     );
-    let sentences = found.typical.iter().map(|typical| Block::Paragraph(sentence(typical)));
-    let table = Block::Table(table(found));
-    sentences.chain([Block::Paragraph(how), table]).collect()
+    let mut blocks = sentences(about.cells, &gains);
+    blocks.extend([Block::Paragraph(how), Block::Table(table(&gains))]);
+    let csv = Some(("threads.csv", rows(&gains)));
+    Some(Section { heading: "What threads gain".into(), blocks, csv })
 }
 
-fn sentence(typical: &Typical) -> Text {
-    let Typical { name, scenes, speedup, least, most, fraction } = typical;
+/// Returns one sentence per detector, without twins.
+pub fn answer(cells: &[&Measured]) -> Vec<Block> {
+    let own: Vec<&Measured> =
+        cells.iter().filter(|cell| !cell.role.is_control()).copied().collect();
+    sentences(&own, &gains(&own))
+}
+
+fn sentences(cells: &[&Measured], gains: &[Gain]) -> Vec<Block> {
+    let label = labels(cells);
+    let mut lines: BTreeMap<&Line, Vec<&Gain>> = BTreeMap::new();
+    gains.iter().for_each(|gain| lines.entry(&gain.line).or_default().push(gain));
+    let sentence = |(line, gains): (&Line, Vec<&Gain>)| sentence(&label(line), &gains);
+    lines.into_iter().filter_map(sentence).map(Block::Paragraph).collect()
+}
+
+fn sentence(name: &str, gains: &[&Gain]) -> Option<Text> {
+    let speedups: Vec<f64> = gains.iter().map(|gain| gain.speedup.median).collect();
+    let fractions: Vec<f64> = gains.iter().filter_map(|gain| Some(gain.fraction?.median)).collect();
+    let ([least, speedup, most], scenes) = (spread(&speedups)?, plural(gains.len(), "scene"));
     let out = Text::new().strong(format!("{name}: {speedup:.2} times as fast as one thread"));
-    let scenes = plural(*scenes, "scene");
     let out = out.plain(format!(" (median of {scenes}; {least:.2} to {most:.2})"));
-    let gain = fraction.map(percent);
-    out.plain(gain.map_or(".".into(), |gain| {
+    Some(out.plain(median(&fractions).map_or(".".into(), |fraction| {
+        let gain = percent(fraction);
         format!(", {gain} of the throughput of as many independent copies.")
-    }))
+    })))
 }
 
-fn table(found: &Threads) -> Table {
+fn table(gains: &[Gain]) -> Table {
     let ceiling = |gain: &Gain| match (gain.ceiling, &gain.failure) {
         (None, Some((outcome, _))) => outcome.name().into(),
         (ceiling, _) => Cell::from(ceiling),
     };
-    Table::of("", &found.gains)
+    Table::of("", gains)
         .left("scene", |gain| &*gain.scene)
         .right("N", |gain| gain.n)
         .left("detector", |gain| &*gain.name)
@@ -68,8 +73,8 @@ fn percents(fraction: &Interval) -> Cell {
     with_ends(fraction, percent).into()
 }
 
-fn rows(found: &Threads) -> Table {
-    Table::of("", &found.gains)
+fn rows(gains: &[Gain]) -> Table {
+    Table::of("", gains)
         .left("experiment", |gain| &*gain.experiment)
         .left("scene", |gain| &*gain.scene)
         .left("n", |gain| gain.n)

@@ -1,7 +1,8 @@
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
-use contactbench_record::findings::winners::{Contest, RankedSubject, Tally, Winners, Wins};
+use contactbench_record::findings::winners::{Contest, RankedSubject, Winners};
+use contactbench_record::stats::interval::spread;
 use contactbench_terms::number::{number, plural, short};
 
 pub const ALL: &str = "Scene by scene";
@@ -45,27 +46,21 @@ pub fn left_out(winners: &Winners) -> Option<Block> {
 
 /// Counts the scenes that each detector wins; the table names the detectors of the others.
 pub fn sentence(winners: &Winners) -> Text {
-    let tally = Tally::new(winners);
-    let mut rest: Vec<String> = tally.wins.iter().skip(1).map(won).collect();
-    for (count, words) in [(tally.undecided, "undecided"), (tally.untimed, "without a time")] {
-        if count > 0 {
-            rest.push(format!("{words}: {count}"));
-        }
-    }
-    let rest = rest.join("; ");
-    let Some(first) = tally.wins.first() else { return undecided_all(winners).into() };
-    let words = format!("{} is the fastest in {}", first.detector, first.margins.len());
-    let mut out = Text::new().strong(format!("{words} of {} scenes", tally.scenes));
-    if let Some((typical, least, most)) = first.margin() {
+    let wins = winners.wins();
+    let Some((first, margins)) = wins.first() else { return undecided_all(winners).into() };
+    let untimed = winners.scenes - winners.contests.len();
+    let others = [("undecided", winners.undecided()), ("without a time", untimed)];
+    let others = others.into_iter().filter(|(_, count)| *count > 0);
+    let won = wins.iter().skip(1).map(|(name, margins)| (*name, margins.len()));
+    let rest: Vec<_> = won.chain(others).map(|(name, count)| format!("{name}: {count}")).collect();
+    let words = format!("{first} is the fastest in {} of {} scenes", margins.len(), winners.scenes);
+    let mut out = Text::new().strong(words);
+    if let Some([least, typical, most]) = spread(margins) {
         out = out.plain(format!(
             "; the runner-up takes {typical:.1} times as long (median; {least:.1} to {most:.1})"
         ));
     }
-    out.plain(if rest.is_empty() { ".".into() } else { format!(". {rest}.") })
-}
-
-fn won(wins: &Wins) -> String {
-    format!("{}: {}", wins.detector, wins.margins.len())
+    out.plain(if rest.is_empty() { ".".into() } else { format!(". {}.", rest.join("; ")) })
 }
 
 /// Explains why no scene is decided.
