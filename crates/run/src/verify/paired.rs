@@ -174,22 +174,19 @@ mod tests {
     use contactbench_io::pairs::{self, lists_from};
     use contactbench_io::{FrameChoice, Options, frames_from};
 
-    fn dump(steps: &[i64]) -> String {
-        let frame = |step| {
-            format!(
-                "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS id x y z\n1 0 0 0\n"
-            )
-        };
+    /// Returns these rows for each step; `K` stands for the step.
+    fn each(steps: &[i64], rows: &str) -> String {
+        let frame =
+            |step: &i64| format!("ITEM: TIMESTEP\nK\n{rows}").replace('K', &step.to_string());
         steps.iter().map(frame).collect()
     }
 
+    fn dump(steps: &[i64]) -> String {
+        each(steps, "ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS id x y z\n1 0 0 0\n")
+    }
+
     fn local(steps: &[i64]) -> String {
-        let frame = |step| {
-            format!(
-                "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES i j\n{step} 0\n"
-            )
-        };
-        steps.iter().map(frame).collect()
+        each(steps, "ITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES i j\nK 0\n")
     }
 
     /// Matched frames with the first number in their list (-1 if empty), numbers of frames left
@@ -208,13 +205,6 @@ mod tests {
 
     fn options() -> Options {
         Options { frame: ALL, radius: Some(1.0), ..Options::default() }
-    }
-
-    fn paired(particles: &str, lists: &str) -> Result<Told, String> {
-        let told = frames_from(particles.as_bytes(), "p", "", options(), |frames| {
-            lists_from(lists.as_bytes(), "l", &[], ALL, |lists| told(frames, lists))
-        });
-        told.map_err(|error| format!("{error:#}"))
     }
 
     /// Here each list is a file of its own; a file without rows is a list without a step.
@@ -257,47 +247,33 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_brought_together_by_their_steps() {
-        let five = dump(&[0, 10, 20, 30, 40]);
-        let found = paired(&five, &local(&[0, 20, 40])).unwrap();
-        assert_eq!(found, (vec![(0, 0), (2, 20), (4, 40)], vec![1, 3], 0));
-        let found = paired(&five, &local(&[10])).unwrap();
-        assert_eq!(found, (vec![(1, 10)], vec![0, 2, 3, 4], 0));
-        for (steps, step) in [(&[0, 15, 20][..], 15), (&[0, 20, 50], 50)] {
-            let error = paired(&five, &local(steps)).unwrap_err();
-            let words = format!("l: the list of step {step} has no particles in p; ");
-            assert!(error.starts_with(&words), "{error}");
+    fn frames_are_brought_together_by_steps_or_else_by_number() {
+        let (five, xyz) = (&*dump(&[0, 10, 20, 30, 40]), |n: usize| "1\n\nA 0 0 0\n".repeat(n));
+        for (particles, lists, expected) in [
+            (five, &*local(&[0, 20, 40]), "([(0, 0), (2, 20), (4, 40)], [1, 3], 0)"),
+            (five, &local(&[10]), "([(1, 10)], [0, 2, 3, 4], 0)"),
+            (five, &local(&[0, 15, 20]), "l: the list of step 15 has no particles in p; "),
+            (five, &local(&[0, 20, 50]), "l: the list of step 50 has no particles in p; "),
+            (&dump(&[0, 10, 10]), &local(&[0, 10]), "p: step 10 stands after step 10"),
+            (five, &local(&[0, 10, 10]), "l: step 10 stands after step 10"),
+            (&xyz(2), &local(&[0, 20]), "([(0, 0), (1, 20)], [], 0)"),
+            (&xyz(3), &local(&[0, 20]), "l has no list for frame 2 of p, and not both have"),
+            (&xyz(1), &local(&[0, 20]), "l: the list of frame 1 (from 0) has no particles: p"),
+            (&xyz(1), "i,j\n7,8\n", "([(0, 7)], [], 0)"),
+            (&xyz(2), "i,j\n7,8\n", "l has no list for frame 1 of p"),
+            // Frames of which no row speaks have no contacts.
+            (five, "frame,i,j\n1,7,8\n", "([(0, -1), (1, 7), (2, -1), (3, -1), (4, -1)], [], 4)"),
+            (five, "step,i,j\n40,9,8\n", "([(0, -1), (1, -1), (2, -1), (3, -1), (4, 9)], [], 4)"),
+            (&dump(&[0]), "frame,i,j\n", "([(0, -1)], [], 1)"),
+            (five, "step,i,j\n5,7,8\n", "l: the list of step 5"),
+            (five, "frame,i,j\n5,7,8\n", "l: the list of frame 5"),
+            (&xyz(1), "step,i,j\n5,7,8\n", "l: the rows have steps, but p has none"),
+        ] {
+            let found = frames_from(particles.as_bytes(), "p", "", options(), |frames| {
+                lists_from(lists.as_bytes(), "l", &[], ALL, |lists| told(frames, lists))
+            });
+            let found = found.map_or_else(|error| format!("{error:#}"), |told| format!("{told:?}"));
+            assert!(found.starts_with(expected), "{found}");
         }
-        let again = paired(&dump(&[0, 10, 10]), &local(&[0, 10])).unwrap_err();
-        assert_eq!(again, "p: step 10 stands after step 10; write the frames in order");
-        let again = paired(&five, &local(&[0, 10, 10])).unwrap_err();
-        assert_eq!(again, "l: step 10 stands after step 10; write them in order");
-    }
-
-    #[test]
-    fn without_steps_frames_are_brought_together_by_number() {
-        let xyz = |n: usize| "1\n\nA 0 0 0\n".repeat(n);
-        let found = paired(&xyz(2), &local(&[0, 20])).unwrap();
-        assert_eq!(found, (vec![(0, 0), (1, 20)], vec![], 0));
-        let short = paired(&xyz(3), &local(&[0, 20])).unwrap_err();
-        assert!(short.starts_with("l has no list for frame 2 of p, and not both have"), "{short}");
-        let long = paired(&xyz(1), &local(&[0, 20])).unwrap_err();
-        assert!(long.starts_with("l: the list of frame 1 (from 0) has no particles: p"), "{long}");
-        assert_eq!(paired(&xyz(1), "i,j\n7,8\n").unwrap(), (vec![(0, 7)], vec![], 0));
-        assert!(paired(&xyz(2), "i,j\n7,8\n").unwrap_err().contains("no list for frame 1 of p"));
-    }
-
-    #[test]
-    fn frames_of_which_no_row_speaks_have_no_contacts() {
-        let five = dump(&[0, 10, 20, 30, 40]);
-        let found = paired(&five, "frame,i,j\n1,7,8\n3,9,8\n").unwrap();
-        assert_eq!(found, (vec![(0, -1), (1, 7), (2, -1), (3, 9), (4, -1)], vec![], 3));
-        let found = paired(&five, "step,i,j\n0,7,8\n40,9,8\n").unwrap();
-        assert_eq!(found, (vec![(0, 7), (1, -1), (2, -1), (3, -1), (4, 9)], vec![], 3));
-        assert_eq!(paired(&five, "frame,i,j\n").unwrap().2, 5);
-        assert!(paired(&five, "step,i,j\n5,7,8\n").unwrap_err().contains("the list of step 5"));
-        assert!(paired(&five, "frame,i,j\n5,7,8\n").unwrap_err().contains("the list of frame 5"));
-        let none = paired("1\n\nA 0 0 0\n", "step,i,j\n5,7,8\n").unwrap_err();
-        assert!(none.starts_with("l: the rows have steps, but p has none"), "{none}");
     }
 }
