@@ -124,15 +124,10 @@ pub fn arithmetic(name: &str) -> Result<Arithmetic, Failure> {
     name.parse().map_err(Failure::value)
 }
 
-type Pairs = Py<PyArray2<u32>>;
-type Images = Py<PyArray2<i32>>;
+/// The pairs (M, 2), with the smaller number first, and in a box the images (M, D).
+pub type Answer = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>);
 
-/// Returns the pairs (M, 2), with the smaller number first, and in a box the images (M, D).
-pub fn answer(
-    py: Python<'_>,
-    mut contacts: ContactList,
-    boxed: Option<usize>,
-) -> PyResult<(Pairs, Option<Images>)> {
+pub fn answer(py: Python<'_>, mut contacts: ContactList, boxed: Option<usize>) -> PyResult<Answer> {
     let mut images = Vec::new();
     contacts.flatten(boxed.unwrap_or(0), &mut images).map_err(Failure::from)?;
     let images = boxed.map(|dim| rows(py, images, dim)).transpose()?;

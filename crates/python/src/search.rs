@@ -14,14 +14,12 @@ use contactbench_ground::periodic::ContactList;
 use contactbench_ground::periodic::Loaded;
 use contactbench_ground::probe::{Op, Tally};
 use contactbench_lists::track::{Step, Tracker};
-use numpy::{PyArray2, PyReadonlyArrayDyn};
+use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
 use crate::failure::{Failure, patient, pool, work};
-use crate::given::{Arrays, Edges, answer, arithmetic};
-
-type Answer = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>);
+use crate::given::{Answer, Arrays, Edges, answer, arithmetic};
 
 /// Prepares a scene for the search; fails if it certainly has too many pairs.
 fn loaded<'a>(

@@ -8,9 +8,11 @@ use super::shrink::shrink;
 use super::subject::CheckedSubject;
 use super::{Failure, Limits, MOST_BYTES, Report, Wrong};
 use contactbench_detectors::oracle::NoTruth;
+use contactbench_detectors::oracle::boxes::Truth;
 use contactbench_detectors::oracle::loaded::truth;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
+use contactbench_ground::periodic::Loaded;
 use contactbench_ground::scene::AnyScene;
 use contactbench_io::Given;
 
@@ -64,18 +66,7 @@ impl<'a> Checker<'a> {
         let Scene { source, name, given } = scene;
         *self.report.scenes.entry(source).or_default() += 1;
         for &arithmetic in self.arithmetics {
-            let limit = self.limits.options.memory_limit;
-            let known = match given.loaded(arithmetic) {
-                Err(error) => Err(format!("{error:#}")),
-                Ok(stored) => match truth(&stored, arithmetic, limit) {
-                    Ok(truth) => Ok((Arc::new(stored), truth)),
-                    Err(error @ (NoTruth::Refused(_) | NoTruth::Stored(_))) => {
-                        Err(error.to_string())
-                    }
-                    Err(error) => return Err(error.into()),
-                },
-            };
-            let (stored, truth) = match known {
+            let (stored, truth) = match known(given, arithmetic, self.limits)? {
                 Ok(known) => known,
                 Err(error) => {
                     let reason = format!("{}: {error}", arithmetic.name());
@@ -91,11 +82,8 @@ impl<'a> Checker<'a> {
                     Question { given, stored: &stored, arithmetic, fresh: false, truth: &truth };
                 let answer = respondent.ask(&question)?;
                 if let Some(reason) = answer.refusal() {
-                    *self
-                        .report
-                        .refused
-                        .entry(format!("{}: {reason}", subject.name()))
-                        .or_default() += 1;
+                    let reason = format!("{}: {reason}", subject.name());
+                    *self.report.refused.entry(reason).or_default() += 1;
                 } else {
                     self.report.cases += 1;
                     let of = (subject.name().to_string(), arithmetic.name());
@@ -104,9 +92,8 @@ impl<'a> Checker<'a> {
                 if let Some(found) = answer.wrong(&truth) {
                     let (smallest, wrong) =
                         simplest(subject, arithmetic, given, &found, self.limits)?;
-                    let detector = subject.name().to_string();
                     self.report.failures.push(Failure {
-                        detector,
+                        detector: subject.name().to_string(),
                         arithmetic,
                         found_on: name.clone(),
                         found,
@@ -118,6 +105,23 @@ impl<'a> Checker<'a> {
             }
         }
         Ok(())
+    }
+}
+
+/// Returns a scene as the arithmetic stores it, with its truth, or the reason why it has none.
+fn known(
+    given: &Given,
+    arithmetic: Arithmetic,
+    limits: &Limits,
+) -> anyhow::Result<Result<(Arc<Loaded<'static>>, Truth), String>> {
+    let stored = match given.loaded(arithmetic) {
+        Ok(stored) => stored,
+        Err(error) => return Ok(Err(format!("{error:#}"))),
+    };
+    match truth(&stored, arithmetic, limits.options.memory_limit) {
+        Ok(truth) => Ok(Ok((Arc::new(stored), truth))),
+        Err(error @ (NoTruth::Refused(_) | NoTruth::Stored(_))) => Ok(Err(error.to_string())),
+        Err(error) => Err(error.into()),
     }
 }
 
@@ -141,10 +145,7 @@ fn simplest(
                  given: &Given,
                  fresh: bool|
      -> anyhow::Result<Option<Wrong>> {
-        let Ok(stored) = given.loaded(arithmetic) else { return Ok(None) };
-        let limit = limits.options.memory_limit;
-        let Ok(truth) = truth(&stored, arithmetic, limit) else { return Ok(None) };
-        let stored = Arc::new(stored);
+        let Ok(Ok((stored, truth))) = known(given, arithmetic, limits) else { return Ok(None) };
         let question = Question { given, stored: &stored, arithmetic, fresh, truth: &truth };
         Ok(respondent.ask(&question)?.wrong(&truth))
     };
