@@ -18,7 +18,6 @@ use std::cmp::Ordering;
 
 use contactbench_detectors::oracle::boxes;
 use contactbench_detectors::spec::DetectorSpec;
-use contactbench_detectors::table::{Role, TABLE};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
 use contactbench_ground::detect::any::AnyDetector;
@@ -30,6 +29,7 @@ use contactbench_lists::periodic::Finder;
 use crate::draw::{Draw, Sphere};
 use crate::near::Lengths;
 use crate::predicate::{FAR, OFFSETS};
+use crate::tracking::right;
 use crate::whole::Whole;
 use crate::{Counts, Plan, Totals, What, in_batches};
 
@@ -272,8 +272,7 @@ fn margin(x: i64) -> i64 {
 
 /// Returns the detectors whose answers must be right, in every variant, without twins.
 fn all() -> Vec<(String, Box<dyn AnyDetector>)> {
-    let right = TABLE.iter().filter(|it| it.must_be_right() && !matches!(it.role, Role::Twin(_)));
-    let choices = right.flat_map(DetectorSpec::choices);
+    let choices = right().flat_map(DetectorSpec::choices);
     choices.map(|spec| (spec.to_string(), spec.make(Options::default()))).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use contactbench_detectors::oracle;
 use contactbench_detectors::table;
-use contactbench_detectors::table::{DetectorSpec, Role, TABLE};
+use contactbench_detectors::table::{DetectorSpec, Entry, Role, TABLE};
 use contactbench_detectors::tracker::TrackerSpec;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
@@ -73,9 +73,12 @@ pub fn trackers(plan: Plan) -> Totals {
 }
 
 /// Returns the detectors whose answers must be right, without twins.
+pub(crate) fn right() -> impl Iterator<Item = &'static Entry> {
+    TABLE.iter().filter(|it| it.must_be_right() && !matches!(it.role, Role::Twin(_)))
+}
+
 pub(crate) fn detectors() -> Vec<DetectorSpec> {
-    let right = TABLE.iter().filter(|it| it.must_be_right() && !matches!(it.role, Role::Twin(_)));
-    right.map(|entry| table::parse(entry.name).expect("names of the table are read")).collect()
+    right().map(|entry| table::parse(entry.name).expect("names of the table are read")).collect()
 }
 
 /// Returns frames in order or, occasionally, shuffled. Shuffled frames make lists useless, but no

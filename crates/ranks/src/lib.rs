@@ -160,13 +160,16 @@ where
     let mut rank = Rank::new(world, particles, lattice)?;
     let mut searcher = searcher(setting);
     let mut contacts = ContactList::default();
-    let (mut steps, mut traffic) = (Vec::new(), Traffic::default());
+    let (mut steps, mut traffic) = (Vec::<[f64; 4]>::new(), Traffic::default());
     for step in 0..=setting.steps {
         let times;
         (traffic, times) = timed(world, &mut rank, &mut searcher, &mut contacts)?;
         // The first step only warms up.
         steps.extend((step > 0).then_some(times));
     }
+    let typical = |k: usize| median(&steps.iter().map(|it| it[k]).collect::<Vec<_>>());
+    let [step_ms, exchange_ms, search_ms, alone_ms] =
+        [0, 1, 2, 3].map(|k| typical(k).unwrap_or(0.0));
     let memory = rank.formula_bytes(&searcher)
         + contacts.plain.capacity() as u64 * PAIR_BYTES
         + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
@@ -190,10 +193,10 @@ where
         sent_bytes: bytes.sum,
         sent_bytes_most: bytes.most,
         partners_most: Over::all(world, traffic.partners).most,
-        step_ms: Times::typical(&steps, |it| it.step),
-        exchange_ms: Times::typical(&steps, |it| it.exchange),
-        search_ms: Times::typical(&steps, |it| it.search),
-        alone_ms: Times::typical(&steps, |it| it.alone),
+        step_ms,
+        exchange_ms,
+        search_ms,
+        alone_ms,
         memory_most: Over::all(world, memory).most,
         found: Whole::of(Digest { contacts, sum }),
         whole: None,
@@ -203,28 +206,14 @@ where
     })
 }
 
-/// Times of a step in milliseconds, each of the slowest rank.
-struct Times {
-    step: f64,
-    exchange: f64,
-    search: f64,
-    /// The search again, while all other ranks wait.
-    alone: f64,
-}
-
-impl Times {
-    fn typical(steps: &[Times], of: fn(&Times) -> f64) -> f64 {
-        median(&steps.iter().map(of).collect::<Vec<_>>()).unwrap_or(0.0)
-    }
-}
-
-/// Runs a step; returns this rank's traffic, and the times of all ranks.
+/// Runs a step; returns this rank's traffic, and four times in milliseconds, each of the slowest
+/// rank: step, exchange, search, and the search again while all other ranks wait.
 fn timed<const D: usize>(
     world: &impl World,
     rank: &mut Rank<D>,
     searcher: &mut Searcher,
     contacts: &mut ContactList,
-) -> Result<(Traffic, Times), Failure>
+) -> Result<(Traffic, [f64; 4]), Failure>
 where
     for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
 {
@@ -248,8 +237,7 @@ where
     let times = [found - begun, arrived - begun, found - arrived, alone];
     let mut times = times.map(|time| time.as_secs_f64() * 1e3);
     world.largest(&mut times);
-    let [step, exchange, search, alone] = times;
-    Ok((traffic, Times { step, exchange, search, alone }))
+    Ok((traffic, times))
 }
 
 /// A number over all ranks.

@@ -13,10 +13,6 @@ fn shown(id: &CellId, name: &str) -> Option<AxisValue> {
     if name == "detector" { Some(id.subject().as_str().into()) } else { id.axis(name) }
 }
 
-fn differ<'a>(cells: impl Iterator<Item = &'a Cell>, name: &str) -> bool {
-    cells.map(|cell| shown(&cell.id, name)).collect::<BTreeSet<_>>().len() > 1
-}
-
 /// Returns what the cells of one sweep must share: scene, dimension, file and machine.
 pub fn family(id: &CellId) -> (&str, u32, [Option<String>; 2]) {
     (&id.scene, id.dim, ["path", MACHINE].map(|name| id.axis(name).map(|value| value.to_string())))
@@ -77,12 +73,9 @@ pub fn swept(cells: &[&Cell]) -> Vec<String> {
 
 pub fn varying(cells: &[&Cell]) -> Vec<String> {
     let mut names = swept(cells);
-    names.extend(
-        FIELDS
-            .iter()
-            .filter(|name| differ(cells.iter().copied(), name))
-            .map(|name| name.to_string()),
-    );
+    let differs =
+        |name: &&str| cells.iter().any(|it| shown(&it.id, name) != shown(&cells[0].id, name));
+    names.extend(FIELDS.iter().copied().filter(differs).map(String::from));
     names.sort_by_key(|name| {
         ["detector", "arithmetic", "scene", "dim", "n"]
             .iter()

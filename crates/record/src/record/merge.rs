@@ -61,15 +61,13 @@ impl Part {
         };
         let copies = folder::experiments(folder);
         let experiments = copies.into_iter().map(read).collect::<anyhow::Result<_>>()?;
-        let (provenance, others) =
-            (provenance::of_folder(folder), provenance::of_others(folder, ""));
         Ok(Part {
             folder: folder.to_path_buf(),
             rows: record.rows,
             warnings: record.warnings,
             experiments,
-            provenance,
-            others,
+            provenance: provenance::of_folder(folder),
+            others: provenance::of_others(folder),
             ledger: Ledger::read(folder),
             bytes: record.bytes,
         })

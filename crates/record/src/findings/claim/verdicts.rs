@@ -36,24 +36,19 @@ impl CellAnswer {
     }
 
     pub fn word(&self) -> &'static str {
-        match self {
-            CellAnswer::Right => "right",
-            CellAnswer::Defect(_) | CellAnswer::Wrong(_) => "wrong",
-            CellAnswer::Lossy(_) => "lossy",
-            CellAnswer::Refused => "refused",
-            CellAnswer::Without(_) => "no answer",
-        }
+        self.ranked().1
     }
 
-    /// Orders answers of several seeds; the one with the largest weight is shown.
-    fn weight(&self) -> (u8, u64) {
+    /// Weight, word, and number of wrong pairs. Of several seeds, the answer with the largest
+    /// weight is shown.
+    fn ranked(&self) -> (u8, &'static str, u64) {
         match self {
-            CellAnswer::Right => (0, 0),
-            CellAnswer::Refused => (1, 0),
-            CellAnswer::Lossy(errors) => (2, errors.wrong()),
-            CellAnswer::Wrong(errors) => (3, errors.wrong()),
-            CellAnswer::Without(_) => (4, 0),
-            CellAnswer::Defect(errors) => (5, errors.map_or(0, |errors| errors.wrong())),
+            CellAnswer::Right => (0, "right", 0),
+            CellAnswer::Refused => (1, "refused", 0),
+            CellAnswer::Lossy(errors) => (2, "lossy", errors.wrong()),
+            CellAnswer::Wrong(errors) => (3, "wrong", errors.wrong()),
+            CellAnswer::Without(_) => (4, "no answer", 0),
+            CellAnswer::Defect(errors) => (5, "wrong", errors.map_or(0, |errors| errors.wrong())),
         }
     }
 }
@@ -108,7 +103,7 @@ impl Matrix {
             *totals.entry((&id.arithmetic, answer.word())).or_default() += 1;
             let place = (case(id, &swept), id.dim, &*id.arithmetic, &*id.detector);
             let known = answers.entry(place).or_insert(CellAnswer::Right);
-            if answer.weight() > known.weight() {
+            if answer.ranked() > known.ranked() {
                 *known = answer;
             }
         }

@@ -8,15 +8,8 @@ use crate::cells::{Cell, CellId, label, series};
 use crate::experiment::Experiment;
 use crate::record::row::Outcome;
 
-#[derive(Clone, Debug, PartialEq)]
-pub struct Failure {
-    pub name: String,
-    pub scene: String,
-    pub outcome: Outcome,
-    pub sizes: BTreeSet<u64>,
-    pub reason: String,
-    pub more: usize,
-}
+/// The cells of one detector on one scene that ended alike: n and reason of each.
+pub type Failure<'a> = ((String, String, Outcome), Vec<(u64, &'a str)>);
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Culprit {
@@ -100,10 +93,8 @@ fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
     found.into_iter().map(|(_, culprit)| culprit).collect()
 }
 
-pub fn failures(cells: &[&Cell]) -> Vec<Failure> {
-    // Maps name, scene and outcome to n and reason of each cell.
-    type ByCase<'a> = BTreeMap<(String, String, Outcome), Vec<(u64, &'a str)>>;
-    let mut found: ByCase = BTreeMap::new();
+pub fn failures<'a>(cells: &[&'a Cell]) -> Vec<Failure<'a>> {
+    let mut found: BTreeMap<_, Vec<_>> = BTreeMap::new();
     let called = series::labels(cells);
     for cell in cells {
         let (outcome, reason) = cell.overall();
@@ -113,16 +104,5 @@ pub fn failures(cells: &[&Cell]) -> Vec<Failure> {
             found.entry((name, scene, outcome)).or_default().push((cell.id.n, reason));
         }
     }
-    let failure = |((name, scene, outcome), found): (_, Vec<(u64, &str)>)| {
-        let reasons: BTreeSet<&str> = found.iter().map(|(_, reason)| *reason).collect();
-        Failure {
-            name,
-            scene,
-            outcome,
-            sizes: found.iter().map(|(n, _)| *n).collect(),
-            reason: found.first().map_or("", |first| first.1).into(),
-            more: reasons.len().saturating_sub(1),
-        }
-    };
-    found.into_iter().map(failure).collect()
+    Vec::from_iter(found)
 }

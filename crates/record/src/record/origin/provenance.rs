@@ -99,12 +99,12 @@ pub fn of_folder(folder: &Path) -> Option<Value> {
     serde_json::from_slice(&std::fs::read(folder.join(FILE)).ok()?).ok()
 }
 
-/// Reads the files `provenance-KIND*.json` of a folder.
-pub fn of_others(folder: &Path, kind: &str) -> Vec<Value> {
+/// Reads the files `provenance-*.json` of a folder.
+pub fn of_others(folder: &Path) -> Vec<Value> {
     let names = std::fs::read_dir(folder).into_iter().flatten();
     let mut names: Vec<String> = names
         .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()))
-        .filter(|name| name.starts_with(&format!("provenance-{kind}")) && name.ends_with(".json"))
+        .filter(|name| name.starts_with("provenance-") && name.ends_with(".json"))
         .collect();
     // Sorting by length first puts part 10 after part 9.
     names.sort_by_key(|name| (name.len(), name.clone()));
@@ -115,7 +115,7 @@ pub fn of_others(folder: &Path, kind: &str) -> Vec<Value> {
 }
 
 pub fn all(folder: &Path) -> Vec<Value> {
-    of_folder(folder).into_iter().chain(of_others(folder, "")).collect()
+    of_folder(folder).into_iter().chain(of_others(folder)).collect()
 }
 
 /// The current time (UTC) for a folder name, such as 2004-03-01T12-30-59.

@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use crate::document::Block;
 use crate::sections::{About, Section};
 use crate::table::Table;
@@ -24,18 +26,23 @@ pub fn section(about: &About<'_>) -> Option<Section> {
     (!found.is_empty()).then(|| Section::new("Without a right answer", vec![table(&found)]))
 }
 
-pub fn table(found: &[Failure]) -> Block {
-    let reason = |failure: &Failure| match failure.more {
-        0 => failure.reason.clone(),
-        more => format!("{} (and {} like it)", failure.reason, plural(more, "reason")),
+fn table(found: &[Failure<'_>]) -> Block {
+    let reason = |cells: &[(u64, &str)]| {
+        let reasons: BTreeSet<&str> = cells.iter().map(|(_, reason)| *reason).collect();
+        match reasons.len() {
+            1 => cells[0].1.to_string(),
+            all => format!("{} (and {} like it)", cells[0].1, plural(all - 1, "reason")),
+        }
     };
-    let sizes =
-        |failure: &Failure| failure.sizes.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+    let sizes = |cells: &[(u64, &str)]| {
+        let sizes: BTreeSet<u64> = cells.iter().map(|(n, _)| *n).collect();
+        sizes.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")
+    };
     let table = Table::of("", found)
-        .left("detector", |failure| &*failure.name)
-        .left("scene", |failure| &*failure.scene)
-        .right("N", sizes)
-        .left("outcome", |failure| failure.outcome.name())
-        .left("reason", reason);
+        .left("detector", |((name, ..), _)| &**name)
+        .left("scene", |((_, scene, _), _)| &**scene)
+        .right("N", |(_, cells)| sizes(cells))
+        .left("outcome", |((.., outcome), _)| outcome.name())
+        .left("reason", |(_, cells)| reason(cells));
     Block::table(table)
 }
