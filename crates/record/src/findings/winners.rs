@@ -102,21 +102,21 @@ fn representative<'a>(forms: Vec<&'a Cell>, noise: &Noise) -> Option<&'a Cell> {
 }
 
 /// Sorts by the ratio to the fastest, which is first. The fastest is the one that no other beats
-/// within blocks; if ratios form a cycle, it is any member of the cycle.
+/// within blocks; if ratios form a cycle, it is the one that others beat least.
 pub fn by_ratio(mut cells: Vec<&Cell>) -> Vec<&Cell> {
     cells.sort_by(|a, b| time(a).total_cmp(&time(b)));
-    let median = |cell: &Cell, to: &Cell| cell.ratio(to).map(|ratio| ratio.median);
-    let Some(mut first) = cells.first().copied() else { return cells };
-    for _ in 0..cells.len() {
-        let ratios = cells.iter().filter_map(|cell| Some((*cell, median(cell, first)?)));
-        match ratios.min_by(|a, b| a.1.total_cmp(&b.1)) {
-            Some((cell, ratio)) if ratio < 1.0 => first = cell,
-            _ => break,
-        }
-    }
+    let ratio = |cell: &Cell, to: &Cell| cell.ratio(to).map(|ratio| ratio.median);
+    let beaten = |cell: &Cell| {
+        let by = |other: &&Cell| ratio(other, cell).unwrap_or_else(|| time(other) / time(cell));
+        cells.iter().map(by).fold(1.0, f64::min)
+    };
+    let scores: Vec<f64> = cells.iter().map(|cell| beaten(cell)).collect();
+    let best = scores.iter().copied().fold(0.0, f64::max);
+    let Some(first) = scores.iter().position(|&score| score == best) else { return cells };
+    let first = cells[first];
     let place = |cell: &Cell| match cell.id == first.id {
         true => 0.0,
-        false => median(cell, first).unwrap_or(f64::INFINITY),
+        false => ratio(cell, first).unwrap_or(f64::INFINITY),
     };
     cells.sort_by(|a, b| place(a).total_cmp(&place(b)));
     cells

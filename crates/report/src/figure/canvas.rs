@@ -142,7 +142,9 @@ impl Canvas<'_> {
             .color(&rgb(style.colour))
             .pos(Pos::new(style.anchor, VPos::Center))
             .into_text_style(&(1, 1));
-        let _ = self.0.draw_text(text, &style, pixel(at));
+        // XML has no control characters, not even escaped.
+        let text = text.replace(char::is_control, " ");
+        let _ = self.0.draw_text(&text, &style, pixel(at));
     }
 
     /// Draws a letter in a disc: the mark of a cell without a value.

@@ -38,12 +38,16 @@ impl Culprits {
             let own = experiments.iter().filter(|it| it.name == culprit.id.experiment);
             own.flat_map(|it| &it.runners).find(|it| it.name == culprit.id.subject())
         };
+        let ours = |culprit: &Culprit| {
+            cells.iter().any(|cell| cell.id == culprit.id && cell.role.is_ours())
+        };
         let (mut all, mut absent) = (Vec::new(), Vec::new());
         for culprit in culprits(cells) {
             match runner(&culprit) {
                 _ if culprit.outcome != Outcome::Unavailable => all.push(culprit),
                 Some(known) if known.is_optional() => absent.push(culprit),
                 Some(_) => all.push(culprit),
+                None if ours(&culprit) => all.push(culprit),
                 None => {}
             }
         }
