@@ -189,8 +189,8 @@ pub fn bytes(bytes: u64) -> String {
     }
 }
 
-/// Limits the threads that RAYON_NUM_THREADS asks for to the number of processors. Each process of a
-/// run would make so many.
+/// Limits the threads that RAYON_NUM_THREADS asks for to the number of processors. Otherwise each
+/// process of a run would start all of them.
 fn bound_threads() {
     let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
     let most = std::thread::available_parallelism().map_or(1, usize::from);

@@ -176,7 +176,8 @@ impl Site<'_> {
         let names: BTreeSet<&str> = self.lines.iter().map(|line| line.detector()).collect();
         let note = "<p class=\"note\">One row for each detector, scene and machine that was timed. \
                     (old): a later record is of another program. \
-                    (disturbed): other programs slowed the machine, or the record is not whole.</p>\n";
+                    (disturbed): other programs slowed the machine, or the record is not \
+                    whole.</p>\n";
         let all: Vec<&Line<'_>> = self.lines.iter().collect();
         let field = note.to_string() + &field::table(&all, "").html("results");
         let mut pages = vec![
@@ -290,15 +291,16 @@ fn bars(contest: &Contest, about: &dyn Fn(&str) -> Option<About>) -> String {
     let timed = || std::iter::once(&contest.first).chain(&contest.others);
     let longest = timed().map(|it| it.per_particle).fold(0.0, f64::max);
     let mut out = format!(
-        "<table class=\"bars\"><caption>{}: time per particle, in nanoseconds, and the time over that of \
-         the first; blue: ours</caption><tbody>\n",
+        "<table class=\"bars\"><caption>{}: time per particle, in nanoseconds, and the time over \
+         that of the first; blue: ours</caption><tbody>\n",
         escape(&contest.title)
     );
     let mut row = |name: &str, detector: &str, share: f64, text: &str| {
         let ours = about(detector).is_some_and(|about| about.ours);
         let (name, class) = (escape(name), if ours { " class=\"ours\"" } else { "" });
         out += &format!(
-            "<tr{class}><th scope=\"row\">{name}</th><td><i style=\"width:{:.1}%\"></i>{text}</td></tr>\n",
+            "<tr{class}><th scope=\"row\">{name}</th>\
+             <td><i style=\"width:{:.1}%\"></i>{text}</td></tr>\n",
             70.0 * share
         );
     };
