@@ -37,7 +37,7 @@ impl DetectorSpec {
     /// Checks that users may choose this detector, with this many threads.
     ///
     /// # Errors
-    /// Fails for controls, for no thread or more than 1024, and for several threads that the
+    /// Fails for controls, for a number of threads that is 0 or above 1,024, and for several threads that the
     /// detector cannot use.
     pub fn usable(&self, threads: usize) -> Result<(), SpecError> {
         let Entry { name, threads: several, .. } = *self.entry;

@@ -46,7 +46,10 @@ impl Trajectory {
             other => other.to_string(),
         };
         let mut text = bare(&kind);
-        ensure!(!text.contains(':'), "motion = \"{text}\": give speed and motion-seed beside it");
+        ensure!(
+            !text.contains(':'),
+            "motion = \"{text}\": give speed and motion-seed as separate parameters"
+        );
         for (name, key, mark) in [("speed", "speed", ':'), ("motion-seed", "seed", ',')] {
             if let Some(value) = params.remove(name) {
                 let mark = if text.contains(':') { mark } else { ':' };

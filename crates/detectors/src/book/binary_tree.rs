@@ -20,8 +20,8 @@
 //!   at each level instead of comparing the coordinate with x_mid (3.16), so the additions and
 //!   divisions of (3.22) are not made; HEAD is in the parent's place for the child, not in the
 //!   leaf; leaves are visited in the order of the tree, and once, where the book descends for each
-//!   particle. The book's second variant (pages 86 and 87), which keeps the tree and moves only
-//!   particles that left their leaf, is missing.
+//!   particle. The book's second variant (pages 86 and 87) is not implemented: it keeps the tree
+//!   and moves only particles that left their leaf.
 
 use super::list::{EMPTY, Links};
 use super::mask;

@@ -207,7 +207,7 @@ impl<'a, const D: usize> Near<'a, D> {
         !self.frame.is_upright() && self.reaches_far()
     }
 
-    /// Returns whether a particle reaches over more than two boxes.
+    /// Returns whether the reach of the largest particle exceeds two boxes along a vector.
     pub fn reaches_far(&self) -> bool {
         let reach = |a: usize| self.frame.lengths[a] * self.largest_reach + self.more[a];
         (0..3).any(|a| reach(a) > 2.0)

@@ -13,7 +13,7 @@ pub struct Tracking<'a> {
     pub scenes: Vec<Scene<'a>>,
 }
 
-/// Displacements are in diameters of the largest particle.
+/// Results of the trackers on one scene. Displacements are in diameters of its largest particle.
 #[derive(Clone, Debug)]
 pub struct Scene<'a> {
     pub title: String,

@@ -56,7 +56,7 @@ fn impossible_boxes_are_refused() {
     assert!(matches!(refusal(&crowd, 1000), Refusal::Images { .. }));
 }
 
-/// Stored as f32, particles this far away may move by thousands of boxes. The images, up to 10^15,
+/// Rounding to f32 may move particles this far away by thousands of boxes. The images, up to 10^15,
 /// must be refused by estimate: a visit of each would take from seconds to years.
 #[test]
 fn rounded_arithmetic_far_from_the_origin_is_refused_at_once() {

@@ -112,7 +112,7 @@ impl Header {
     fn frame(&self, mut particles: Particles, radius: RadiusSource) -> Loaded {
         if self.assumed {
             particles.notices.push(assumed!(
-                "the columns have no names and are read as {}; or give --columns",
+                "the columns have no names and are read as {}; if that is wrong, give --columns",
                 self.columns.names.join(", ")
             ));
         }

@@ -51,7 +51,9 @@ impl<'a> Headers<'a> {
             let of = item.strip_prefix("NUMBER OF ").unwrap_or(item);
             match of.split(' ').next() {
                 Some(other @ ("ENTRIES" | "GRID" | "DIMENSION" | "ATOMS")) if other != *section => {
-                    bail!("{place}: this is a dump of {other}, not of {section}")
+                    bail!(
+                        "{place}: this is a dump of {other}, not of {section}; pairs go to verify --pairs"
+                    )
                 }
                 _ => next(lines)?,
             }
@@ -101,7 +103,7 @@ fn bounds(lines: &mut Lines<'_>, kind: &str, boundaries: Boundaries) -> anyhow::
         let count = cells.len();
         ensure!(
             count == columns || overruled && count > columns,
-            "{place}: {count} numbers where {columns} are expected ({what}); fix it, or give --open"
+            "{place}: the line of the box has {count} numbers, and {columns} are expected ({what}); fix the line, or give --open"
         );
         for (k, (value, cell)) in row.iter_mut().zip(&cells[..columns]).enumerate() {
             *value = bound(cell, k, lines)?;

@@ -193,7 +193,11 @@ fn of_frame(size: &mut Array, n: usize, frame: Option<[u64; 2]>) -> anyhow::Resu
             values.extend(&all[k as usize * n..][..n]);
         }
         _ if all.len() == 1 => values.resize(n, all[0]),
-        _ => bail!("{n} points, but '{}' has the shape {}", short(label), npy::shape(&shape)),
+        _ => bail!(
+            "'{}' has the shape {}; for {n} particles give it one number, or the shape ({n},)",
+            short(label),
+            npy::shape(&shape)
+        ),
     }
     for (k, value) in values.iter_mut().enumerate() {
         let of = column.value(*value);

@@ -133,8 +133,8 @@ fn warm_up(first: &Running, block: u32, bench: &mut Bench<'_>) {
 }
 
 /// Returns the order of a round: the rotations of the subjects, then those of the reversed order.
-/// In six rounds of three subjects, each has each place twice and follows each other one three
-/// times.
+/// In six rounds, each of three subjects has each place twice; if the rounds repeat, each follows
+/// each other one three times in six.
 fn order(round: usize, all: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..all).collect();
     let turn = round % (2 * all.max(1));

@@ -51,7 +51,10 @@ impl Curve {
         let mut text = String::new();
         let file = std::fs::File::open(path).context("cannot be read")?;
         file.take(MOST_BYTES + 1).read_to_string(&mut text).context("cannot be read as text")?;
-        ensure!(text.len() as u64 <= MOST_BYTES, "has more than {MOST_BYTES} bytes");
+        ensure!(
+            text.len() as u64 <= MOST_BYTES,
+            "has more than {MOST_BYTES} bytes; give one line per sieve"
+        );
         let mut points = Vec::new();
         for (line, number) in text.trim_start_matches('\u{feff}').lines().zip(1..) {
             let line = line.split('#').next().unwrap_or_default().trim();
