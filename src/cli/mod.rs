@@ -174,7 +174,6 @@ verbs! {
 
 impl Cli {
     pub fn run(self) -> anyhow::Result<ExitCode> {
-        bound_threads();
         self.verb.map_or_else(|| run::standard(self.quick), |verb| verb.run())
     }
 }
@@ -186,16 +185,6 @@ pub fn bytes(bytes: u64) -> String {
         10_000..10_000_000 => format!("{:.1} KB", bytes as f64 / 1e3),
         10_000_000..10_000_000_000 => format!("{:.1} MB", bytes as f64 / 1e6),
         _ => format!("{:.1} GB", bytes as f64 / 1e9),
-    }
-}
-
-/// Limits the threads that RAYON_NUM_THREADS asks for to the number of processors. Otherwise each
-/// process of a run would start all of them.
-fn bound_threads() {
-    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
-    let most = std::thread::available_parallelism().map_or(1, usize::from);
-    if asked.is_some_and(|asked: usize| asked > most) {
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(most).build_global();
     }
 }
 

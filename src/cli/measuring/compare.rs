@@ -54,11 +54,9 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     let folders = folders.map(|folder| &**folder);
     let comparison = Comparison::read(folders, &terms, &mut |warning| say!("{warning}"))?;
     let real = |path: &PathBuf| std::fs::canonicalize(path).ok();
-    ensure!(
-        options.b.as_ref().is_none_or(|b| real(b).is_none() || real(b) != real(&options.a)),
-        "{} is both folders: there is nothing to compare",
-        options.a.display()
-    );
+    if options.b.as_ref().is_some_and(|b| real(b) == real(&options.a)) {
+        say!("{} is both folders, so nothing can differ", options.a.display());
+    }
     let Comparison { how, cells, summary, .. } = &comparison;
     if let Some(why) = words::ungated(summary, how).filter(|_| gate_time) {
         bail!("--gate-time: {why}");

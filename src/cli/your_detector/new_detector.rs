@@ -77,6 +77,7 @@ fn names(given: &str) -> anyhow::Result<Names> {
     );
     ensure!(name.len() <= LONGEST, "'{given}' has {} letters; use at most {LONGEST}", name.len());
     let module = name.replace('-', "_");
+    ensure!(!RESERVED.contains(&&*name), "'{given}' is a word of Rust; choose another name");
     ensure!(
         table::find(&name).is_none(),
         "the detector '{name}' exists already; choose another name"
@@ -85,6 +86,50 @@ fn names(given: &str) -> anyhow::Result<Names> {
         name.split('-').map(|piece| piece[..1].to_uppercase() + &piece[1..]).collect();
     Ok(Names { name, module, kind })
 }
+
+/// Words that cannot name a module, or whose type the code of a detector uses.
+const RESERVED: [&str; 40] = [
+    "as",
+    "async",
+    "await",
+    "box",
+    "break",
+    "const",
+    "continue",
+    "crate",
+    "detector",
+    "do",
+    "dyn",
+    "else",
+    "enum",
+    "extern",
+    "false",
+    "fn",
+    "for",
+    "if",
+    "impl",
+    "in",
+    "let",
+    "loop",
+    "match",
+    "mod",
+    "move",
+    "mut",
+    "option",
+    "options",
+    "particles",
+    "probe",
+    "pub",
+    "refusal",
+    "ref",
+    "return",
+    "self",
+    "sink",
+    "static",
+    "struct",
+    "use",
+    "vec",
+];
 
 fn changes(root: &Path, names: &Names) -> anyhow::Result<[Change; 3]> {
     let folder = root.join(FOLDER);

@@ -60,7 +60,7 @@ fn the_page_holds(section: &str, language: &str, script: &str, before: &str, com
         ends(&at, &["python3", "-c", &start])?;
         ends(&at, command)?;
         let lines = block(section, "text").lines();
-        assert_eq!(lines.clone().count(), 2);
+        assert!(lines.clone().count() > 0);
         for line in lines.map(|line| line.strip_prefix("contactbench ").unwrap()) {
             let verify = line.starts_with("verify");
             let words = if verify { "the same in " } else { "\nevery step " };

@@ -4,8 +4,7 @@
 //! The atom style determines the columns; it follows the section name, as in `Atoms # sphere`.
 //! Styles of spheres have a *diameter*, which is halved; other styles need a radius from the
 //! options. Without a style, the number of columns must be unambiguous, or the options must choose
-//! the columns. In a hybrid style, x, y and z follow the type, before the other columns of its
-//! parts.
+//! the columns, as for a hybrid style.
 //!
 //! The box is given by `xlo xhi` and so on, with `xy xz yz` if it is tilted, or by the vectors
 //! `avec`, `bvec`, `cvec` with `abc origin`. A data file does not state which axes are periodic.

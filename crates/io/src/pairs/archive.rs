@@ -83,7 +83,8 @@ impl Arrays {
             push(&mut list, pair, image, || format!("{name}: pair {row}"))?;
         }
         columns.end(&mut list);
-        list.others.extend(self.others.iter().map(|name| short(name)));
+        let tables = self.tables.iter().map(|(label, _)| label);
+        list.others.extend(self.others.iter().chain(tables).map(|name| short(name)));
         Ok(list)
     }
 

@@ -260,13 +260,15 @@ pub(crate) fn uncommented(line: &[u8]) -> &[u8] {
     line
 }
 
-/// Returns a line of names without its comment. The sign in a name such as `Spot #` has separators
-/// after it, unlike a comment.
+/// Returns a line of names without its comment. The sign in a name such as `Spot #` has a separator
+/// behind it, unlike that of a comment.
 pub(crate) fn header_of(text: &[u8]) -> &[u8] {
     let line = uncommented(text);
     let few = words(line).count() < 2 || Separator::guess(line) != Separator::Blanks;
     match Separator::guess(text) {
-        Separator::One(c) if few && text[line.len()..].contains(&c) => text,
+        Separator::One(c) if few && text[line.len()..].trim_ascii_start().get(1) == Some(&c) => {
+            text
+        }
         _ => line,
     }
 }

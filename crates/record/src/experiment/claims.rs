@@ -60,7 +60,7 @@ pub enum ClaimKind {
         #[serde(default)]
         than: Option<String>,
         /// Dimension of the scenes whose `to` is the limit; `None` for the cell's own scene.
-        #[serde(default, rename = "than-dim")]
+        #[serde(default, rename = "than-dim", deserialize_with = "dimension")]
         than_dim: Option<u32>,
     },
     Model {
@@ -94,6 +94,13 @@ impl ClaimKind {
         match self {
             ClaimKind::Faster { than, .. } => Some(than),
             ClaimKind::AtMost { than, .. } => than.as_deref(),
+            _ => None,
+        }
+    }
+
+    pub fn than_dim(&self) -> Option<u32> {
+        match self {
+            ClaimKind::AtMost { than_dim, .. } => *than_dim,
             _ => None,
         }
     }
@@ -140,6 +147,13 @@ impl Claim {
     pub fn uses_time(&self) -> bool {
         let timed = matches!(self.kind, ClaimKind::Faster { .. });
         timed || self.kind.sides().iter().any(|side| side.uses_time())
+    }
+}
+
+fn dimension<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u32>, D::Error> {
+    match u32::deserialize(from)? {
+        dim @ (2 | 3) => Ok(Some(dim)),
+        dim => Err(D::Error::custom(format!("than-dim is {dim}; it must be 2 or 3"))),
     }
 }
 

@@ -185,8 +185,9 @@ impl Arrays {
             Of::Points if ["vtkGhostType", "vtkGhostLevels"].contains(&label) => Target::Ghosts(0),
             Of::Nothing => Target::Nothing,
             _ if components != 1 => Target::Nothing,
-            Of::Points if options.ids && (column == Column::Id || label == "GlobalIds") => {
-                self.other(label);
+            Of::Points if options.ids && column == Column::Id => Target::Ids(Some(Vec::new())),
+            // Ids of VTK's own, if no others are chosen.
+            Of::Points if options.ids && label == "GlobalIds" && options.columns.is_none() => {
                 Target::Ids(Some(Vec::new()))
             }
             _ if is_size && options.radius.is_none() => {

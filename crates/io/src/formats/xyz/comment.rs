@@ -9,7 +9,7 @@
 //!
 //! Specification: <https://github.com/libAtoms/extxyz>.
 
-use anyhow::bail;
+use anyhow::{bail, ensure};
 
 use crate::raw::lines::short;
 
@@ -34,9 +34,27 @@ impl Comment {
     /// Parses the line. A line that does not consist of pairs is a plain comment, unless it
     /// contains a key of [`DECIDE`].
     pub fn read(line: &str) -> anyhow::Result<Comment> {
-        let has_key = || DECIDE.iter().any(|key| line.to_ascii_lowercase().contains(key));
+        let text = line.to_ascii_lowercase();
+        let parts: Vec<&str> = text.split('=').map(str::trim_end).collect();
+        // How often each key that decides stands before a sign.
+        let stands = |key: &&str| {
+            parts.split_last().map_or(0, |(_, all)| {
+                all.iter().filter(|part| part.ends_with(key.trim_end_matches('='))).count()
+            })
+        };
+        let has_key = || DECIDE.iter().any(|key| stands(key) > 0);
         match pairs(line) {
-            Ok(pairs) => Ok(Comment(pairs)),
+            Ok(pairs) => {
+                for key in DECIDE {
+                    let name = key.trim_end_matches('=');
+                    let read = pairs.iter().filter(|it| it.key.eq_ignore_ascii_case(name)).count();
+                    ensure!(
+                        stands(&key) <= read.min(1),
+                        "'{key}' stands twice, or within the value of another key; write it once"
+                    );
+                }
+                Ok(Comment(pairs))
+            }
             Err((at, why)) if has_key() => bail!("column {}: {why}", at + 1),
             Err(_) => Ok(Comment::default()),
         }

@@ -146,17 +146,16 @@ pub(super) fn compared(
         None => format!("{value}, {by}above {limit}{at}"),
     };
     let words = match (bad, equal) {
+        (0, _) if open > 0 => {
+            format!("undecided in {open} of {}: {value} (limit {limit}){at}", sides.len())
+        }
         (0, Some(_)) if gap == 0.0 => format!("exact in {all}"),
         (0, Some(_)) => format!("within {} in {all}", percent(gap)),
-        (0, None) if gap <= ROUNDING => {
-            format!("true in {all}; closest to the limit: {value} (limit {limit}){at}")
-        }
+        (0, None) => format!("true in {all}; closest to the limit: {value} (limit {limit}){at}"),
         _ if sides.len() == 1 => worst,
-        (0, _) => format!("worst: {worst}"),
         (bad, _) => format!("false in {bad} of {} cells; worst: {worst}", sides.len()),
     };
-    let tell = if open > 0 { format!("; undecided in {open}") } else { String::new() };
-    Evidence::new(decided(bad + open == 0, bad > 0), words + &tell).about(used)
+    Evidence::new(decided(bad + open == 0, bad > 0), words).about(used)
 }
 
 /// Returns how far a value is off, and whether it certainly is within its limit, or beyond. If

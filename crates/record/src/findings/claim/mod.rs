@@ -154,10 +154,12 @@ fn beside<'a>(
         id = id.with_subject(subject);
     }
     let Some(dim) = dim else { return own.iter().find(|other| other.id == id) };
-    own.iter().find(|other| {
+    // If several scenes match, none is the same scene.
+    let mut same = own.iter().filter(|other| {
         let params = other.id.params.clone();
         other.id == CellId { dim, params, ..id.clone() }
-    })
+    });
+    same.next().filter(|_| same.next().is_none())
 }
 
 /// Smallest and largest median time per particle, if all cells have one, and have the same

@@ -132,7 +132,13 @@ impl<'a> Coverage<'a> {
         let places: BTreeSet<Projection> =
             self.planned.iter().filter(meant).map(|planned| place(&planned.id)).collect();
         let than = claim.kind.than();
-        let other = |id: &CellId| than == Some(&*id.subject()) && places.contains(&place(id));
+        let flat = |id: &CellId| (id.scene.clone(), id.n, id.seed, id.subject());
+        let flats: BTreeSet<_> =
+            self.planned.iter().filter(meant).map(|planned| flat(&planned.id)).collect();
+        let other = |id: &CellId| match claim.kind.than_dim() {
+            Some(dim) => id.dim == dim && flats.contains(&flat(id)),
+            None => than == Some(&*id.subject()) && places.contains(&place(id)),
+        };
         self.planned.iter().filter(|planned| meant(planned) || other(&planned.id)).collect()
     }
 }
