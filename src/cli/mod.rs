@@ -38,7 +38,7 @@ const VERSION: &str =
     subcommand_value_name = "VERB",
     args_conflicts_with_subcommands = true,
     help_template = help::template(),
-    after_help = "Without a verb, contactbench runs the book's scaling experiments (5 minutes).\n\
+    after_help = "Without a verb, contactbench runs the book's scaling experiments (4 minutes).\n\
                   contactbench VERB --help lists a verb's options; docs/ explains them.\n\n\
                   Exit codes: 0 all is well; 1 a wrong answer, a failed claim, a damaged record,\n\
                   or two lists or records that differ; 2 bad arguments or input; 130 Ctrl-C,\n\
