@@ -57,7 +57,10 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
         Some(path) => {
             write::scene(path, &given)?;
             let scene = &given.scene;
-            say!("{}: N = {}, {}D", path.display(), scene.len(), scene.dim());
+            // An npy file has no names, and three columns of it are read as x, y and z.
+            let plain = format == Some(SceneFormat::Npy) && scene.dim() == 2;
+            let hint = if plain { "; read it with --dim 2" } else { "" };
+            say!("{}: N = {}, {}D{hint}", path.display(), scene.len(), scene.dim());
         }
         None => {
             let mut out = std::io::BufWriter::new(std::io::stdout().lock());

@@ -41,7 +41,12 @@ impl Framed<'_> {
             }
             None => self.form = Form::of(style),
             Some(before) => {
-                ensure!(*before == names, "frame {k}: other columns than before; give --open")
+                ensure!(
+                    *before == names,
+                    "frame {k}: the columns are {}, and {} in the frame before; give --open",
+                    names.join(","),
+                    before.join(",")
+                );
             }
         }
         self.names = Some(names);

@@ -227,6 +227,20 @@ mod tests {
         assert_eq!(wins.collect::<Vec<_>>(), [("nbs", 1), ("sorting", 1)]);
     }
 
+    /// sorting beats nbs by 1.05, nbs beats sweep by 1.5, and sweep beats sorting by 1.5.
+    #[test]
+    fn in_a_cycle_the_fastest_is_the_one_that_others_beat_least() {
+        let mut lab = Lab::new("e", "packed");
+        for (name, times) in
+            [("sorting", [100, 200, 300]), ("nbs", [200, 210, 100]), ("sweep", [300, 100, 200])]
+        {
+            lab.detector(name).time(&times.repeat(3));
+        }
+        let contest = found(&lab).contests.remove(0);
+        assert_eq!((&*contest.first.name, contest.decided()), ("nbs", false));
+        assert_eq!(contest.others[0].name, "sorting");
+    }
+
     /// Each case has times by detector, the first detector in the order, and for each other
     /// detector whether it is decidedly slower.
     #[test]

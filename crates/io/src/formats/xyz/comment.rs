@@ -13,8 +13,8 @@ use anyhow::{bail, ensure};
 
 use crate::raw::lines::short;
 
-/// Keys that change which contacts are found, before their values.
-const DECIDE: [&str; 3] = ["lattice=", "pbc=", "properties="];
+/// Keys that change which contacts are found.
+const DECIDE: [&str; 3] = ["lattice", "pbc", "properties"];
 
 #[derive(Debug)]
 pub(super) struct Pair {
@@ -34,22 +34,13 @@ impl Comment {
     /// Parses the line. A line that does not consist of pairs is a plain comment, unless it
     /// contains a key of [`DECIDE`].
     pub fn read(line: &str) -> anyhow::Result<Comment> {
-        let text = line.to_ascii_lowercase();
-        let parts: Vec<&str> = text.split('=').map(str::trim_end).collect();
-        // How often each key that decides stands before a sign.
-        let stands = |key: &&str| {
-            parts.split_last().map_or(0, |(_, all)| {
-                all.iter().filter(|part| part.ends_with(key.trim_end_matches('='))).count()
-            })
-        };
-        let has_key = || DECIDE.iter().any(|key| stands(key) > 0);
+        let has_key = || DECIDE.iter().any(|key| stands(line, key) > 0);
         match pairs(line) {
             Ok(pairs) => {
                 for key in DECIDE {
-                    let name = key.trim_end_matches('=');
-                    let read = pairs.iter().filter(|it| it.key.eq_ignore_ascii_case(name)).count();
+                    let read = pairs.iter().filter(|it| it.key.eq_ignore_ascii_case(key)).count();
                     ensure!(
-                        stands(&key) <= read.min(1),
+                        stands(line, key) <= read.min(1),
                         "'{key}' stands twice, or within the value of another key; write it once"
                     );
                 }
@@ -63,6 +54,19 @@ impl Comment {
     pub fn get(&self, key: &str) -> Option<&Pair> {
         self.0.iter().find(|pair| pair.key.eq_ignore_ascii_case(key))
     }
+}
+
+/// Counts how often a key stands before a sign `=`. The end of a longer key does not count.
+fn stands(line: &str, key: &str) -> usize {
+    let line = line.to_ascii_lowercase();
+    let parts: Vec<&str> = line.split('=').collect();
+    let names = parts.split_last().map_or(&[][..], |(_, names)| names);
+    let is_key = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+    let ends = |part: &&&str| {
+        let before = part.trim_end().strip_suffix(key);
+        before.is_some_and(|before| !before.ends_with(is_key))
+    };
+    names.iter().filter(ends).count()
 }
 
 /// Byte position of a syntax error, counted from 0, and its description.

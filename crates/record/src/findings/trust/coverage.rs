@@ -132,11 +132,16 @@ impl<'a> Coverage<'a> {
         let places: BTreeSet<Projection> =
             self.planned.iter().filter(meant).map(|planned| place(&planned.id)).collect();
         let than = claim.kind.than();
-        let flat = |id: &CellId| (id.scene.clone(), id.n, id.seed, id.subject());
+        let flat = |id: &CellId| {
+            (id.scene.clone(), id.n, id.seed, than.map_or_else(|| id.subject(), String::from))
+        };
         let flats: BTreeSet<_> =
             self.planned.iter().filter(meant).map(|planned| flat(&planned.id)).collect();
         let other = |id: &CellId| match claim.kind.than_dim() {
-            Some(dim) => id.dim == dim && flats.contains(&flat(id)),
+            Some(dim) => {
+                let of = than.is_none_or(|than| id.subject() == than);
+                id.dim == dim && of && flats.contains(&flat(id))
+            }
             None => than == Some(&*id.subject()) && places.contains(&place(id)),
         };
         self.planned.iter().filter(|planned| meant(planned) || other(&planned.id)).collect()
