@@ -243,7 +243,8 @@ impl Site<'_> {
                 false => chapter.answers(false).into_iter().next(),
             };
             let text = |block| document::plain(&[block], usize::MAX).trim_end().to_string();
-            record.facts.chapters.iter().filter_map(first).map(text).collect()
+            // The row has the question of the first chapter.
+            record.facts.chapters.iter().take(1).filter_map(first).map(text).collect()
         };
         let table: Table = Table::of("", self.records)
             .left("question", |it| Entry::Link(it.question().into(), it.page()))
