@@ -111,3 +111,61 @@ fn the_examples_can_be_read_and_planned() {
     let complete = parse(examples(PAGE)[0]).unwrap();
     assert_eq!((complete.planned.scenes.len(), complete.planned.quick.len()), (3, 3));
 }
+
+/// The example without the lines of this key in the table with this header, and with `line` there.
+fn edited(example: &str, header: &str, key: &str, line: &str) -> String {
+    let at = example.find(header).unwrap_or_else(|| panic!("{header}\n{example}")) + header.len();
+    let rest = &example[at..];
+    let end = rest.find("\n[").unwrap_or(rest.len());
+    let kept = rest[..end].lines().filter(|it| !it.starts_with(&format!("{key} = ")));
+    let table = kept.collect::<Vec<_>>().join("\n");
+    format!("{}{line}\n{table}{}", &example[..at], &rest[end..])
+}
+
+#[test]
+fn required_keys_and_defaults_are_those_of_the_page() {
+    let (mut required, mut defaults) = (0, 0);
+    let kinds = sections().into_iter().map(|(heading, _)| heading);
+    for heading in kinds.filter(|heading| heading != "### Quick runs") {
+        let header = match heading.split([' ', ':']).nth(1) {
+            Some("Top") => "",
+            Some("Scenes") => "[[scene]]\n",
+            Some("Runners") => "[[runner]]\n",
+            Some("Claims" | "Claim") => "[[claim]]\n",
+            _ => "[[figure]]\n",
+        };
+        let top = completed("detectors = [\"nbs\"]");
+        let bars = "[[figure]]\nname = \"f\"\ntitle = \"f\"\nkind = \"bars\"\nto = \"nbs\"\n";
+        let errors = &bars.replace("bars", "speed-error").replace("to = \"nbs\"\n", "");
+        let own = match &*heading {
+            "## Top level" => vec![&*top],
+            "### Figure: `bars`" => vec![bars],
+            "### Figure: `speed-error`" => vec![&**errors],
+            heading => examples(section(heading)),
+        };
+        let found = own.into_iter().chain(examples(PAGE)).find(|example| example.contains(header));
+        let example = completed(found.unwrap_or_else(|| panic!("no example: {heading}")));
+        // A table is no line, so `scene` cannot be left out.
+        for (key, default) in rows(section(&heading)).into_iter().filter(|(key, _)| *key != "scene")
+        {
+            let without = parse(&edited(&example, header, key, ""));
+            match default {
+                "required" => {
+                    assert!(without.is_err(), "{heading}: {key} is not required");
+                    required += 1;
+                }
+                "none" => assert!(without.is_ok(), "{heading}: {key}: {:#}", without.unwrap_err()),
+                default
+                    if default.starts_with(char::is_alphabetic)
+                        && !matches!(default, "true" | "false" | "inf") => {}
+                default => {
+                    let with = parse(&edited(&example, header, key, &format!("{key} = {default}")));
+                    let same = |it: anyhow::Result<Experiment>| format!("{it:?}");
+                    assert_eq!(same(without), same(with), "{heading}: {key}");
+                    defaults += 1;
+                }
+            }
+        }
+    }
+    assert!(required > 20 && defaults > 20, "{required} required, {defaults} defaults");
+}
