@@ -19,6 +19,8 @@ crate::named! {
         LevelProbe = "level_probe",
         /// Comparison of two keys (integer coordinates) in a sort or a search.
         KeyCompare = "key_compare",
+        /// Step of a binary search, which halves a range; also counted as `key_compare`.
+        SearchStep = "search_step",
         /// Visit of a tree node.
         NodeVisit = "node_visit",
         /// Move of a particle by a sort.

@@ -99,20 +99,19 @@ fn the_other_examples_are_shown_as_printed() {
     assert_eq!(c.iter().filter(|head| head.value.is_some()).count(), 4);
 
     let sorting = trace(Algorithm::Sorting, None).unwrap();
-    assert_eq!(sorting.steps.len(), 93);
+    assert_eq!(sorting.steps.len(), 189);
     let last = &sorting.steps.last().unwrap().state;
     let keys = |axis: usize| {
         let keys = last.array(['X', 'Y'][axis]).iter();
         keys.map(|key| sorting.names.key(axis, key.value.unwrap())).collect::<Vec<_>>()
     };
     assert_eq!((keys(0), keys(1)), (vec![3, 4, 4, 4, 5, 5, 5, 6], vec![7, 5, 6, 7, 6, 7, 8, 6]));
-    assert_eq!(links(&sorting, 92, 'D'), [7, 5, 3, 1, 6, 4, 2, 8]);
-    let search = sorting
-        .steps
-        .iter()
-        .find(|step| step.words.starts_with("Mask cell (5, 7): a binary search"))
-        .unwrap();
-    assert!(search.words.contains("particle 4 at place 6"), "{}", search.words);
+    assert_eq!(links(&sorting, 188, 'D'), [7, 5, 3, 1, 6, 4, 2, 8]);
+    // Figures 3.25 to 3.27: the halves that the search for cell (5, 7) keeps.
+    let search = sorting.steps.iter().filter(|step| step.words.starts_with("Mask cell (5, 7): "));
+    let kept: Vec<_> = search.clone().map(|step| step.marks.range.unwrap()).collect();
+    assert_eq!(kept, [[4, 8], [4, 6], [5, 6], [5, 6]]);
+    assert!(search.last().unwrap().words.ends_with("particle 4 at place 6."));
 
     let tree = trace(Algorithm::BinaryTree, None).unwrap();
     assert_eq!(tree.steps.len(), 78);

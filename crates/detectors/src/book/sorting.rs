@@ -14,10 +14,9 @@
 //! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit.
 //! * Deviations from the book: cells are wider by 4 parts in a million
 //!   ([`contactbench_ground::filter::cells`]); the mask cells are searched once per occupied cell,
-//!   not once per particle; a search keeps the lower half at equality, so it visits other places
-//!   than figures 3.25 to 3.27, in as many steps; min and max of a part are bounds of its values,
-//!   not extremes; if (min + max) / 2 is min, mid is max, because otherwise the partition would not
-//!   end.
+//!   not once per particle; min and max of a part are bounds of its values, not extremes; if (min +
+//!   max) / 2 is min, mid is max, because otherwise the partition would not end. A search keeps the
+//!   halves of figures 3.25 to 3.27.
 
 use super::mask;
 use contactbench_ground::contact::Particles;
@@ -189,18 +188,26 @@ impl<const D: usize> Sorting<D> {
         fill(|k| self.keys[k][at])
     }
 
+    /// Returns the only place at which a run of `cell` can begin. Each step compares the last place
+    /// of the lower half, and keeps one half.
     #[inline]
     fn search(&self, cell: [u32; D], probe: &mut impl Probe) -> usize {
+        probe.count(Op::CellProbe);
         let (mut low, mut high) = (0, self.particles.len());
-        while low < high {
-            let mid = low + (high - low) / 2;
+        while low + 1 < high {
+            let middle = low + (high - low) / 2;
             probe.count(Op::KeyCompare);
-            probe.note(|| Event::Compare { place: mid });
-            if self.cell(mid) < cell {
-                low = mid + 1;
+            probe.count(Op::SearchStep);
+            if self.cell(middle - 1) < cell {
+                low = middle;
             } else {
-                high = mid;
+                high = middle;
             }
+            probe.note(|| Event::Kept {
+                cell: plane(cell),
+                compared: middle - 1,
+                places: [low, high],
+            });
         }
         low
     }
@@ -244,6 +251,20 @@ mod tests {
     use super::*;
     use contactbench_ground::probe::{Silent, Tally};
 
+    /// Records which places searches keep, numbered from 1 as in the book.
+    #[derive(Default)]
+    struct Halves(Vec<[usize; 2]>);
+
+    impl Probe for Halves {
+        const SILENT: bool = false;
+        fn add(&mut self, _: Op, _: u64) {}
+        fn note(&mut self, event: impl FnOnce() -> Event) {
+            if let Event::Kept { places: [from, to], .. } = event() {
+                self.0.push([from + 1, to]);
+            }
+        }
+    }
+
     /// Example G3 of the book: eight particles (pages 95 to 98).
     const EIGHT: [[u32; 2]; 8] = [[4, 7], [5, 8], [4, 6], [5, 7], [4, 5], [5, 6], [3, 7], [6, 6]];
 
@@ -258,9 +279,9 @@ mod tests {
         assert_eq!(sorting.keys, [[3, 4, 4, 4, 5, 5, 5, 6], [7, 5, 6, 7, 6, 7, 8, 6]]);
         let ids: Vec<u32> = sorting.particles.iter().map(|k| k + 1).collect();
         assert_eq!(ids, [7, 5, 3, 1, 6, 4, 2, 8]);
-        let mut tally = Tally::default();
-        let at = sorting.search([5, 7], &mut tally);
-        assert_eq!((ids[at], tally.get(Op::KeyCompare)), (4, 3));
+        let mut halves = Halves::default();
+        assert_eq!(ids[sorting.search([5, 7], &mut halves)], 4);
+        assert_eq!(halves.0, [[5, 8], [5, 6], [6, 6]]); // Figures 3.25 to 3.27.
         let mut pairs = Vec::new();
         sorting.detect(scene, &mut Silent, &mut pairs).unwrap();
         assert_eq!(printed(&pairs, &[]), "1-2 1-3 1-4 1-6 1-7 2-4 3-4 3-5 3-6 3-7 4-6 4-8 5-6 6-8");

@@ -42,8 +42,8 @@ pub enum Event {
     Swap { axis: usize, places: [usize; 2] },
     /// A range of places was split along an axis, and its right part begins at place `middle`.
     Halved { axis: usize, places: [usize; 2], middle: usize },
-    /// A binary search compared the keys at this place.
-    Compare { place: usize },
+    /// A binary search for a cell compared the keys at place `compared`, and keeps `places`.
+    Kept { cell: [u32; 2], compared: usize, places: [usize; 2] },
     /// The range of places with a cell's particles was found.
     Found { cell: [u32; 2], places: [usize; 2] },
     /// A node of the tree was visited. The search continues in its half `half`, or in both halves

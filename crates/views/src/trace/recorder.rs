@@ -80,8 +80,7 @@ pub struct Recorder {
     pub(super) row: Option<u32>,
     pub(super) central: Option<[u32; 2]>,
     pub(super) visiting: Option<u32>,
-    /// Places that a search visited since the last step, then tree nodes visited (`path`).
-    pub(super) places: Vec<usize>,
+    /// Tree nodes visited since the last step.
     pub(super) path: Vec<u32>,
     pub(super) made: usize,
     pub(super) tally: Tally,
@@ -140,7 +139,6 @@ impl Recorder {
         let nodes = self.path.drain(..).map(|node| node as usize);
         marks.read.extend(nodes.flat_map(|node| HALVES.map(|half| (half, node))));
         self.made = 0;
-        self.places.clear();
         // No-break spaces keep an equation on one line.
         let words = words.replace(" = ", "\u{a0}=\u{a0}");
         let (part, state) = (self.parts.len() - 1, self.state.clone());
@@ -157,7 +155,6 @@ impl Recorder {
             Event::Begin(part) => self.begin(part),
             Event::Visit { particle } => self.visiting = Some(particle),
             Event::Central { cell } => self.central(cell),
-            Event::Compare { place } => self.places.push(place),
             Event::Node { node, .. } => self.path.push(node),
             Event::Made { node, .. } => {
                 self.made += 1;

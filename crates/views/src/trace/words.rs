@@ -161,8 +161,16 @@ fn of_places(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option<St
             let all = names.places([from, to]);
             format!("The pointers meet: {lower} of {all} hold the lower {}s.", cells[axis])
         }
+        Event::Kept { cell, compared, places } => {
+            (marks.cell, marks.range) = (Some(cell), Some(places));
+            marks.read = letter.map(|array| (array, compared)).into();
+            let held = letter.map(|array| state.value(array, compared).unwrap_or(0));
+            let lower = if held < cell { "lower" } else { "not lower" };
+            let [cell, held] = [cell, held].map(|cell| names.cell(cell));
+            let (place, kept) = (names.place(compared), names.places(places));
+            format!("Mask cell {cell}: place {place} holds {held}, which is {lower}: keep {kept}.")
+        }
         Event::Found { cell, places: [from, to] } => {
-            marks.read = recorder.places.iter().flat_map(|&at| [('X', at), ('Y', at)]).collect();
             marks.range = (from < to).then_some([from, to]);
             let values = (from..to).filter_map(|at| state.value('D', at));
             let here: Vec<_> = values.map(|k| names.particle(k).to_string()).collect();
@@ -176,9 +184,7 @@ fn of_places(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option<St
                 return Some(format!("The next central cell is {name}: {found}."));
             }
             marks.cell = Some(cell);
-            let looked = recorder.places.iter().map(|&at| names.place(at).to_string());
-            let looked = looked.collect::<Vec<_>>().join(", ");
-            format!("Mask cell {name}: a binary search reads places {looked}: {found}.")
+            format!("Mask cell {name}: {found}.")
         }
         _ => return None,
     })
