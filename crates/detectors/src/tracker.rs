@@ -93,8 +93,12 @@ impl fmt::Display for TrackerSpec {
 }
 
 /// The forms of a tracker specification, each with its meaning.
-pub const FORMS: [(&str, &str); 8] = [
+pub const FORMS: [(&str, &str); 9] = [
     ("every-step(DETECTOR)", "calls the detector in every frame; DETECTOR alone is the same"),
+    (
+        "every-step(binary-tree:tree=kept)",
+        "keeps the tree between frames and moves particles that left their leaf, as in the book",
+    ),
     (
         "verlet(DETECTOR,rule=RULE,skin=S)",
         "keeps a list of all pairs at most S diameters apart and tests only those until the rule \

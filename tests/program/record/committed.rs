@@ -1,6 +1,6 @@
 //! Every committed record is readable, has all of its plan, and is in the index.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 
@@ -57,4 +57,46 @@ fn verbs_read_compressed_records() {
     let words = ["vectors-intel/samples.jsonl.gz", "gunzip"];
     at.ends(2, "run vectors --resume --out vectors-intel", &words);
     at.ends(2, "merge whole --out vectors-intel", &["--out"]);
+}
+
+/// Returns the first line that git prints in the repository.
+fn git(arguments: &[&str]) -> Option<String> {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let printed = Command::new("git").current_dir(root).args(arguments).output().ok()?;
+    Some(String::from_utf8(printed.stdout).ok()?.lines().next()?.to_string())
+}
+
+/// Returns the time of the first commit that `arguments` of `git log` select, in seconds.
+fn first_commit(arguments: &[&str]) -> Option<u64> {
+    git(&[&["log", "--reverse", "--format=%ct"], arguments].concat())?.parse().ok()
+}
+
+/// The limit of a claim that is marked `before` is older than the first record of its experiment.
+/// Names of claims are not compared, because many were reworded.
+#[test]
+fn claims_marked_before_are_older_than_the_first_record() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    if git(&["rev-parse", "--is-shallow-repository"]).as_deref() != Some("false") {
+        println!("skipped: this clone lacks the history");
+        return;
+    }
+    let mut limits = BTreeMap::new();
+    for entry in std::fs::read_dir(root.join("experiments")).unwrap() {
+        let path = entry.unwrap().path();
+        let (text, name) = (std::fs::read_to_string(&path).unwrap(), path.file_stem().unwrap());
+        let copies = format!(":(glob)results/**/experiments/{}.toml", name.display());
+        for claim in text.split("[[claim]]").filter(|claim| claim.contains("set = \"before\"")) {
+            let recorded = first_commit(&["--diff-filter=A", "--", &copies]);
+            for (key, limit) in claim.lines().filter_map(|line| line.split_once(" = ")) {
+                if ["value", "to", "than", "within", "by", "model"].contains(&key) {
+                    let stated = *limits.entry(limit.to_string()).or_insert_with(|| {
+                        first_commit(&[&format!("-S{limit}"), "--", "experiments"])
+                    });
+                    let older = recorded.is_none() || stated.is_some() && stated < recorded;
+                    assert!(older, "{copies}: {key} = {limit}");
+                }
+            }
+        }
+    }
+    assert!(limits.len() > 10, "{limits:?}");
 }

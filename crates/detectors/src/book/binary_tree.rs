@@ -20,8 +20,11 @@
 //!   at each level instead of comparing the coordinate with x_mid (3.16), so the additions and
 //!   divisions of (3.22) are not made; HEAD is in the parent's place for the child, not in the
 //!   leaf; leaves are visited in the order of the tree, and once, where the book descends for each
-//!   particle. The book's second variant (pages 86 and 87) is not implemented: it keeps the tree
-//!   and moves only particles that left their leaf.
+//!   particle. Links and children are indices of 4 bytes. The book prefers pointers (page 85), which
+//!   take 8 bytes today. Their time is not measured: that needs a second form of all lists, with
+//!   nodes allocated one by one.
+//!
+//! The parameter `tree=kept` selects the book's second variant ([`super::kept_tree`]).
 
 use super::list::{EMPTY, Links};
 use super::mask;
@@ -40,18 +43,21 @@ use contactbench_ground::wide::fill;
 pub struct BinaryTree {
     options: Options,
     /// Two children per node: indices of nodes or, on the last level, the HEADs of two leaves.
-    nodes: Vec<[u32; 2]>,
+    pub(super) nodes: Vec<[u32; 2]>,
     e: Links<1>,
     particles: usize,
+    /// Bytes of all arrays over particles, for each of them.
+    pub(super) per_particle: u64,
 }
 
 impl Declare for BinaryTree {
     fn with(options: Options) -> BinaryTree {
-        BinaryTree { options, nodes: Vec::new(), e: Links::default(), particles: 0 }
+        let (nodes, e) = Default::default();
+        BinaryTree { options, nodes, e, particles: 0, per_particle: 4 }
     }
 
     fn formula_bytes(&self) -> u64 {
-        4 * self.particles as u64 + 8 * self.nodes.len() as u64
+        self.per_particle * self.particles as u64 + 8 * self.nodes.len() as u64
     }
 }
 
@@ -60,13 +66,13 @@ mask::detects_by_mask!(BinaryTree, 3, SPACE);
 
 /// Levels of the tree: on each, one bit of a cell's index selects the half, highest bit first.
 #[derive(Clone, Copy)]
-struct Levels {
+pub(super) struct Levels {
     /// Number of times that each axis is halved.
     halvings: u32,
 }
 
 impl Levels {
-    fn new<const D: usize>(cells: &Cells<D>) -> Levels {
+    pub(super) fn new<const D: usize>(cells: &Cells<D>) -> Levels {
         let most = cells.count.iter().fold(0, |most, &count| most.max(count));
         Levels { halvings: 32 - (most - 1).leading_zeros() }
     }
@@ -88,15 +94,8 @@ impl BinaryTree {
         sink: &mut impl Sink,
     ) -> Result<(), Refusal> {
         let cells = Cells::new(particles)?;
-        numbered("binary-tree", particles.len())?;
         let levels = Levels::new(&cells);
-        self.particles = particles.len();
-        self.nodes.clear();
-        within(&self.options, "binary-tree", self.formula_bytes() + 8, || {
-            format!("{} particles", particles.len())
-        })?;
-        self.e.prepare(particles.len());
-        self.nodes.push([EMPTY; 2]);
+        self.begin(particles.len())?;
         probe.note(|| Event::Begin(Part::Tree { halvings: levels.halvings }));
         for k in 0..particles.len() as u32 {
             self.insert(k, integerise(particles, &cells, k, probe), levels, probe)?;
@@ -106,9 +105,22 @@ impl BinaryTree {
         Ok(())
     }
 
+    /// Empties the tree, and makes room for particles.
+    pub(super) fn begin(&mut self, particles: usize) -> Result<(), Refusal> {
+        numbered("binary-tree", particles)?;
+        self.particles = particles;
+        self.nodes.clear();
+        within(&self.options, "binary-tree", self.formula_bytes() + 8, || {
+            format!("{particles} particles")
+        })?;
+        self.e.prepare(particles);
+        self.nodes.push([EMPTY; 2]);
+        Ok(())
+    }
+
     /// Descends to the leaf of `cell`, makes missing nodes, and pushes particle `k` on the leaf's
     /// list.
-    fn insert<const D: usize>(
+    pub(super) fn insert<const D: usize>(
         &mut self,
         k: u32,
         cell: [u32; D],
@@ -147,12 +159,44 @@ impl BinaryTree {
         Ok(())
     }
 
+    /// Takes particle `k` off the list of the leaf of `cell`.
+    pub(super) fn remove<const D: usize>(
+        &mut self,
+        k: u32,
+        cell: [u32; D],
+        levels: Levels,
+        probe: &mut impl Probe,
+    ) {
+        let (mut at, mut head) = (0, [0, 0]);
+        for halving in 0..levels.halvings {
+            for index in cell {
+                probe.count(Op::NodeVisit);
+                head = [at as usize, levels.half(index, halving)];
+                at = self.nodes[head[0]][head[1]];
+            }
+        }
+        let rest = self.e.next(k, 0, probe);
+        if at == k {
+            self.nodes[head[0]][head[1]] = rest;
+            return;
+        }
+        let mut next = self.e.next(at, 0, probe);
+        while next != k {
+            (at, next) = (next, self.e.next(next, 0, probe));
+        }
+        self.e.set(at, 0, rest);
+    }
+
     fn make_node(&mut self) -> Result<u32, Refusal> {
         let made = self.nodes.len();
         if made == self.nodes.capacity() {
             // The array doubles, or grows to the memory limit.
-            let allowed = (self.options.memory_limit.saturating_sub(4 * self.particles as u64) / 8)
-                .min(u64::from(EMPTY)) as usize;
+            let allowed = (self
+                .options
+                .memory_limit
+                .saturating_sub(self.per_particle * self.particles as u64)
+                / 8)
+            .min(u64::from(EMPTY)) as usize;
             let grown = (2 * made).min(allowed);
             if grown <= made {
                 let shape = format!("{} particles, more than {made} nodes", self.particles);
@@ -187,7 +231,7 @@ impl BinaryTree {
     }
 
     /// Checks every leaf, depth first, so that consecutive descents share most of their nodes.
-    fn walk<T: Real, const D: usize, const M: usize>(
+    pub(super) fn walk<T: Real, const D: usize, const M: usize>(
         &self,
         particles: &impl Particles<T, D>,
         cells: &Cells<D>,
@@ -231,7 +275,7 @@ impl BinaryTree {
 }
 
 #[inline(always)]
-fn integerise<T: Real, const D: usize>(
+pub(super) fn integerise<T: Real, const D: usize>(
     particles: &impl Particles<T, D>,
     cells: &Cells<D>,
     k: u32,

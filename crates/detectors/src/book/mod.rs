@@ -4,6 +4,7 @@ pub mod binary_tree;
 pub mod direct;
 #[cfg(test)]
 mod golden;
+pub mod kept_tree;
 mod list;
 pub mod mask;
 pub mod nbs;

@@ -1,7 +1,7 @@
 //! The table of all detectors. Each entry is available on the command line and is part of every
 //! experiment and test.
 
-use super::book::{binary_tree, direct, nbs, screening, sorting};
+use super::book::{binary_tree, direct, kept_tree, nbs, screening, sorting};
 use super::control;
 pub use super::entry::{Entry, Group, Parameter, Role, Speed};
 use super::modern::{bvh, cell_grid, hash_grid, kd_tree, sweep};
@@ -50,7 +50,12 @@ pub static TABLE: &[Entry] = &[
         memory: "4N + 8 nodes",
         limits: "cells per axis < 2^31; the memory limit",
         speed: Speed::Slow,
-        constructor: Both::<binary_tree::BinaryTree, binary_tree::BinaryTree>::boxed,
+        parameters: &[Parameter {
+            name: "tree",
+            values: &["new", "kept"],
+            meaning: "built for each detection, or kept: particles that left their leaf move",
+        }],
+        constructor: binary_tree,
         ..PLAIN
     },
     Entry {
@@ -245,6 +250,13 @@ pub fn judges() -> Vec<&'static Entry> {
     let mut judges: Vec<&Entry> = TABLE.iter().filter(|it| it.judge > 0).collect();
     judges.sort_by_key(|entry| entry.judge);
     judges
+}
+
+fn binary_tree(params: &Params, options: Options) -> Box<dyn AnyDetector> {
+    match params.get("tree") {
+        None => Both::<binary_tree::BinaryTree, binary_tree::BinaryTree>::boxed(params, options),
+        Some(_) => Both::<kept_tree::KeptTree<2>, kept_tree::KeptTree<3>>::boxed(params, options),
+    }
 }
 
 fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
