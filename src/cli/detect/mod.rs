@@ -35,8 +35,8 @@ pub struct Detect {
         hide_possible_values = true
     )]
     detector: String,
-    /// see: list; --rule open: < not <=
-    #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    /// Arithmetic (see: list); exact-open decides by <
+    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     /// Threads, if the detector can use them

@@ -49,8 +49,8 @@ pub struct Verify {
     /// Frame of the list [default: that of --frame]
     #[arg(long, value_name = "FRAME")]
     pairs_frame: Option<FrameChoice>,
-    /// see: list; --rule open: < not <=
-    #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    /// Arithmetic (see: list); exact-open decides by <
+    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     #[command(flatten)]

@@ -113,8 +113,8 @@ impl Mistake {
             Mistake::Numbers(Meaning::Base(base)) => format!("--base {base}"),
             Mistake::Numbers(Meaning::Ids) => "--ids".into(),
             Mistake::BothSides => "--both-sides".into(),
-            Mistake::Ties { missed: true } => "--rule open".into(),
-            Mistake::Ties { missed: false } => "--rule closed".into(),
+            Mistake::Ties { missed: true } => "--arithmetic exact-open".into(),
+            Mistake::Ties { missed: false } => "--arithmetic exact".into(),
             Mistake::Skin(gap) => format!("--skin {}", rounded_up(gap)),
             Mistake::Diameters => String::new(),
         }
