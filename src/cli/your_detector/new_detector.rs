@@ -213,8 +213,8 @@ fn entry(Names { name, module, kind }: &Names) -> String {
     }
     format!(
         "    Entry {{\n        name: \"{name}\",\n        group: Group::Modern,\n        summary: \
-         \"sorts along x, tests what is within reach\",\n        cost: \"N log N key comparisons, \
-         N^(2 - 1/D) bound tests in a box\",\n        memory: \"16N\",\n        limits: \"the \
+         \"new; its entry in the table describes it\",\n        cost: \"not stated\",\n        \
+         memory: \"not stated\",\n        limits: \"the \
          memory limit\",\n{constructor}        ..PLAIN\n    }},\n"
     )
 }
