@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -64,16 +65,22 @@ impl What {
 
     /// Returns a table with two columns: each name, and its lines with an empty line below.
     fn table(self) -> anyhow::Result<Table> {
-        let items = self.items()?;
-        let name = |item: &Value| item["name"].as_str().unwrap_or_default().to_string();
-        let table = Table::of(self.name(), std::iter::once(&Value::Null).chain(&items));
-        Ok(table.left("", name).left("", lines).into())
+        let (items, mut known) = (self.items()?, BTreeMap::new());
+        let row = |item: &Value| {
+            let name = item["name"].as_str().unwrap_or_default().to_string();
+            let lines = lines(item, &name, &mut known);
+            (name, lines)
+        };
+        let rows: Vec<_> = std::iter::once(&Value::Null).chain(&items).map(row).collect();
+        let table = Table::of(self.name(), &rows);
+        Ok(table.left("", |row| &*row.0).left("", |row| row.1.clone()).into())
     }
 }
 
 /// Returns the fields of a thing as lines for people: sentences first, then other fields with their
-/// keys, and a line for each parameter.
-fn lines(item: &Value) -> Vec<String> {
+/// keys, and a line for each parameter. Parameters that an earlier thing has, too, share a line;
+/// `known` has the lines of parameters and the first thing with each.
+fn lines(item: &Value, thing: &str, known: &mut BTreeMap<String, String>) -> Vec<String> {
     const SENTENCES: [&str; 4] = ["summary", "title", "question", "reason"];
     fn words(value: &Value) -> String {
         let mut all: Vec<String> = match value {
@@ -90,16 +97,31 @@ fn lines(item: &Value) -> Vec<String> {
         let values = it.get("defaults").unwrap_or(&it["values"]);
         format!("{} [{}]: {}", words(&it["name"]), words(values), words(&it["meaning"]))
     };
+    let mut again: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let mut lines: Vec<String> =
         SENTENCES.iter().filter_map(|key| item.get(key).map(words)).collect();
     let fields = item.as_object().into_iter().flatten();
     for (key, value) in fields.filter(|(key, _)| !SENTENCES.contains(&key.as_str())) {
         match (key.as_str(), value) {
             ("name", _) => {}
-            ("parameters", Value::Array(all)) => lines.extend(all.iter().map(parameter)),
+            ("parameters", Value::Array(all)) => {
+                for it in all {
+                    match known.entry(parameter(it)) {
+                        Entry::Occupied(of) => {
+                            again.entry(of.get().clone()).or_default().push(words(&it["name"]));
+                        }
+                        Entry::Vacant(new) => {
+                            lines.push(new.key().clone());
+                            new.insert(thing.into());
+                        }
+                    }
+                }
+            }
             (key, value) => lines.push(format!("{key}: {}", words(value))),
         }
     }
+    let again = again.into_iter();
+    lines.extend(again.map(|(first, names)| format!("as in {first}: {}", names.join(", "))));
     lines.push(String::new());
     lines
 }
