@@ -261,9 +261,13 @@ fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
     };
     Table::of("", timed)
         .left("", |(timing, _)| verdict(timing))
-        .left("B / A", |(timing, _)| ratio(timing))
-        .right(format!("A {unit}"), |(it, _)| shown(it.a_ns, it.multiples.map(|both| both[0])))
-        .right(format!("B {unit}"), |(it, _)| shown(it.b_ns, it.multiples.map(|both| both[1])))
+        .left("B / A within turns", |(timing, _)| ratio(timing))
+        .right(format!("A, median {unit}"), |(it, _)| {
+            shown(it.a_ns, it.multiples.map(|both| both[0]))
+        })
+        .right(format!("B, median {unit}"), |(it, _)| {
+            shown(it.b_ns, it.multiples.map(|both| both[1]))
+        })
         .left("cell", |(timing, place)| cell(timing, place))
         .into()
 }
