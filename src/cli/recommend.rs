@@ -32,8 +32,8 @@ pub struct Recommend {
     /// Time for the measurements, in seconds
     #[arg(long, value_name = "TIME", default_value_t = 10.0, allow_negative_numbers = true)]
     seconds: f64,
-    /// see: list; --rule open: < not <=
-    #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    /// Arithmetic (see: list); exact-open decides by <
+    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     /// Threads, if the detector can use them
@@ -78,11 +78,11 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     out.values(words::as_json(verdict.as_ref(), &race, n));
     out.table(&table(&race, verdict.as_ref(), n));
     out.gap();
-    let none = "none: no detector gave a right answer in time; see the reasons above".into();
-    let said = verdict.as_ref().map_or(none, |verdict| words::sentence(verdict, &race, n));
-    for (k, line) in said.lines().enumerate() {
-        let text = if k == 0 { format!("use {line}") } else { format!("  {}", line.trim_start()) };
-        out.text(text);
+    let none =
+        || vec!["none: no detector gave a right answer in time; see the reasons above".into()];
+    let said = verdict.as_ref().map_or_else(none, |verdict| words::sentences(verdict, &race, n));
+    for (k, line) in said.iter().enumerate() {
+        out.text(if k == 0 { format!("use {line}") } else { format!("  {line}") });
     }
     out.print()?;
     let wrong = race.subjects.iter().any(|subject| subject.row.outcome == Outcome::Wrong);
@@ -147,7 +147,7 @@ fn why_out(subject: &RacedSubject) -> Option<String> {
     match subject.row.outcome {
         _ if !subject.times.is_empty() => None,
         outcome if outcome.is_good() => Some(format!("dropped: {}", subject.row.reason)),
-        Outcome::Timeout => Some(subject.row.reason.clone()),
+        Outcome::Timeout | Outcome::Unavailable => Some(subject.row.reason.clone()),
         outcome => Some(format!("{}: {}", outcome.name(), subject.row.reason)),
     }
 }

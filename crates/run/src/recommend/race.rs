@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use crate::recommend::subject::{HOPELESS, Race, RacedSubject, drop_slow};
 use crate::run::judge::Said;
+use crate::run::machine::load::Watch;
 use crate::run::machine::processors;
 use crate::run::machine::temporary;
 use crate::run::runner::client::{Client, Failure, Start};
@@ -23,6 +24,7 @@ use anyhow::bail;
 use contactbench_detectors::table::{Entry, Role, TABLE};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_io::Given;
+use contactbench_record::findings::trust::conditions::disturbance;
 use contactbench_record::record::row::{Outcome, Pass, Row};
 use contactbench_record::stats::interval::ratio;
 use contactbench_terms::number::plural;
@@ -78,14 +80,16 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     // The twin has the limits that its original was given after the probe.
     let twin = original.map(RacedSubject::twin);
     subjects.extend(twin);
+    let watch = Watch::start();
     let (blocks, mut subjects) = ground.blocks(subjects, note)?;
+    let disturbed = watch.and_then(|watch| disturbance(&watch.end(String::new())?));
     let twin = subjects.extract_if(.., |subject| subject.is_twin).next();
     subjects.sort_by_key(|subject| TABLE.iter().position(|entry| entry.name == subject.entry.name));
     let twin = twin.and_then(|twin| {
         let original = subjects.iter().find(|it| it.entry.name == twin.entry.name)?;
         ratio(&twin.times, &original.times).filter(|ratio| ratio.count > 1)
     });
-    Ok(Race { subjects, contacts, blocks, twin })
+    Ok(Race { subjects, contacts, blocks, twin, disturbed })
 }
 
 struct Ground<'a> {
@@ -115,7 +119,7 @@ impl Ground<'_> {
             let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
             if left.is_zero() {
                 let reason = "not tried: time was up (--seconds)".into();
-                subject.fail(Failure { outcome: Outcome::Timeout, reason });
+                subject.fail(Failure { outcome: Outcome::Unavailable, reason });
             } else {
                 // A slow probe must not use up the time of those that follow.
                 let patience =

@@ -1,7 +1,7 @@
 use serde_json::{Value, json};
 
 use contactbench_record::stats::interval::{Interval, ratio};
-use contactbench_terms::number::{number, with_interval};
+use contactbench_terms::number::{number, percent, with_interval};
 
 use crate::recommend::race::FEWEST;
 use crate::recommend::subject::{Race, RacedSubject, fastest};
@@ -15,7 +15,7 @@ pub fn error(subject: &RacedSubject) -> String {
     }
 }
 
-pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
+pub fn sentences(verdict: &Verdict, race: &Race, n: usize) -> Vec<String> {
     let subjects = &race.subjects;
     let name = |k: usize| subjects[k].entry.name;
     let choice = &subjects[verdict.choice];
@@ -46,7 +46,9 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
         ),
         _ => "its twin has no times, so nothing is decided".into(),
     });
-    lines.join("\n  ")
+    let others = |share| format!("other processes used {} of a core and slowed it", percent(share));
+    lines.extend(race.disturbed.map(others));
+    lines
 }
 
 fn numbers(interval: Interval) -> Value {
@@ -78,7 +80,7 @@ pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
     let tied = |verdict: &Verdict| verdict.tied.iter().map(|&k| name(k)).collect::<Vec<_>>();
     json!({
         "use": verdict.map(|verdict| name(verdict.choice)),
-        "because": verdict.map(|verdict| sentence(verdict, race, n)),
+        "because": verdict.map(|verdict| sentences(verdict, race, n).join(". ")),
         "next": verdict.and_then(|verdict| verdict.next.as_ref()).map(next),
         "cannot_tell_apart": verdict.map(tied),
         "blocks": race.blocks,

@@ -29,6 +29,8 @@ pub const LOAD: f64 = 1.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Conditions {
     pub doubts: Vec<String>,
+    /// Whether other load may have changed the times. Nothing is decided by such times.
+    pub disturbed: bool,
     pub load: Load,
     /// Number of timed rows during which the machine was slow, and number of rows for which that is
     /// known.
@@ -64,6 +66,7 @@ impl Conditions {
         if conditions.load == Load::Unknown && !counts_alone {
             conditions.before(&provenances);
         }
+        conditions.disturbed = !conditions.doubts.is_empty();
         // The provenance of a merged record does not state `dirty`, but those of its parts do.
         let dirty = provenances.iter().any(|fields| fields.get("dirty") == Some(&true.into()));
         if dirty || said_by(&timed, ledger, "sources").contains("changed") {
@@ -136,6 +139,13 @@ impl Conditions {
             self.doubts.push(format!("the machine was busy before the run (load {load})"));
         }
     }
+}
+
+/// Returns the share of a core that others used during a span, if it may have changed times.
+pub fn disturbance(span: &Span) -> Option<f64> {
+    let share = (span.others_s + span.stolen_s) / span.seconds;
+    let limit = OTHERS.max(OTHERS_OF_ALL * span.cores as f64);
+    (span.seconds >= SHORTEST_S && share > limit).then_some(share)
 }
 
 fn worst<'a>(

@@ -26,6 +26,13 @@ fn timed(spans: &[(f64, f64, f64)]) -> (Vec<Row>, Ledger) {
     (rows, ledger)
 }
 
+#[test]
+fn a_span_is_disturbed_by_a_tenth_of_a_core_or_more() {
+    let span = |seconds, others_s| Span { seconds, others_s, cores: 2, ..Span::default() };
+    let found = [span(2.0, 0.1), span(2.0, 1.0), span(0.5, 0.5)].map(|it| disturbance(&it));
+    assert_eq!(found, [None, Some(0.5), None]);
+}
+
 fn doubts(spans: &[(f64, f64, f64)]) -> Vec<String> {
     let (rows, ledger) = timed(spans);
     Conditions::new([], &ledger, &rows).doubts
