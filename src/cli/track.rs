@@ -8,11 +8,12 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::sequence::{FRAMES, Sequence, sequence};
 use crate::cli::shared::tracking;
 use crate::cli::shared::{terminal, values};
-use anyhow::ensure;
+use anyhow::{Context, ensure};
 use contactbench_detectors::oracle::SAMPLE;
 use contactbench_detectors::tracker;
 use contactbench_detectors::tracker::TrackerSpec;
 use contactbench_ground::contact::Arithmetic;
+use contactbench_run::run::machine::interrupt;
 use contactbench_run::tracking::{Check, Question, follow};
 use contactbench_scenes::motion::Motion;
 
@@ -29,8 +30,8 @@ pub struct Track {
     /// Tracker, repeatable (see: list) [default: seven]
     #[arg(long = "tracker", value_name = "TRACKER")]
     trackers: Vec<String>,
-    /// see: list; --rule open: < not <=
-    #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic(), default_value_t)]
+    /// Arithmetic (see: list); exact-open decides by <
+    #[arg(long, value_name = "NAME", value_parser = arithmetic(), default_value_t)]
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     /// Check all, sample or none [default: by N * frames]
@@ -67,6 +68,7 @@ const USUAL: [&str; 7] = [
 
 /// Runs all trackers over the frames of a motion or a file, and checks their contacts.
 pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
+    interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let texts: Vec<&str> = match options.trackers.is_empty() {
         true => USUAL.to_vec(),
         false => options.trackers.iter().map(String::as_str).collect(),

@@ -92,7 +92,8 @@ fn a_second_ctrl_c_ends_at_once() {
         let _ = kill_process(Pid::from_child(&child), Signal::INT);
         std::thread::sleep(Duration::from_millis(100));
     }
-    assert_eq!(ended(child.wait_with_output().unwrap()).code, Some(130));
+    let ended = ended(child.wait_with_output().unwrap());
+    assert_eq!((ended.code, ended.stderr.lines().last()), (Some(130), Some("stopped")));
     assert!(!at.rows("result").is_empty());
     std::thread::sleep(Duration::from_millis(200));
     assert!(all_ended(&at) >= 2);

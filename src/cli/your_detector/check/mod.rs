@@ -30,8 +30,8 @@ pub struct Check {
     /// Command of a runner; {arithmetic} is replaced
     #[arg(long, value_name = "COMMAND", conflicts_with = "detector")]
     runner: Option<String>,
-    /// see: list; --rule open; repeatable [default: exact]
-    #[arg(long, alias = "rule", value_name = "NAME", value_parser = arithmetic())]
+    /// Arithmetic, repeatable (see: list) [default: exact]
+    #[arg(long, value_name = "NAME", value_parser = arithmetic())]
     #[arg(hide_possible_values = true)]
     arithmetic: Vec<Arithmetic>,
     /// File or scene, repeatable [default: many scenes]
@@ -92,12 +92,10 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     };
     let scenes = options.scene.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let mut broken = Vec::new();
+    interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let groups = match &options.runner {
         None => vec![detectors(options)?],
-        Some(command) => {
-            interrupt::end_runners_too().context("cannot handle Ctrl-C")?;
-            runners(command, options, &limits, &mut broken, &mut out)?
-        }
+        Some(command) => runners(command, options, &limits, &mut broken, &mut out)?,
     };
     let reports = reports(&groups, &scenes, &limits)?;
     for checked in &reports {

@@ -1,6 +1,7 @@
 //! Signals: the first Ctrl-C or SIGTERM ends a run after the current rows; the second ends it at
 //! once.
 
+use std::io::Write;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
 #[cfg(unix)]
@@ -39,6 +40,7 @@ pub fn install() -> std::io::Result<()> {
                     family::end_all();
                     contactbench_io::write::remove_unfinished();
                     clear_line();
+                    let _ = writeln!(std::io::stderr(), "stopped");
                     signal_hook::low_level::exit(128 + signal);
                 }
                 clear_line();
