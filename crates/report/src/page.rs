@@ -11,6 +11,7 @@ use crate::table::{self, Rows, Table};
 use contactbench_record::cells::{Cell, errors, label};
 use contactbench_record::record::column::Column;
 use contactbench_record::record::row::{Outcome, Pass};
+use contactbench_terms::number::short;
 use contactbench_terms::text;
 use contactbench_terms::text::html as escape;
 
@@ -69,17 +70,20 @@ pub(crate) fn measured<'a, R: Copy>(rows: Rows<R>, cell: impl Fn(R) -> &'a Cell 
         let cell = cell(row);
         Some(cell.variable(name, None)? / cell.id.n.max(1) as f64)
     };
+    // Times are known to three digits at best.
     let time = move |row: R| match cell(row).wrong_time() {
-        Some(time) => table::Cell::Number(time / cell(row).id.n.max(1) as f64).wrong(),
-        None => per(row, "time_ns").into(),
+        Some(time) => table::Cell::from(short(time / cell(row).id.n.max(1) as f64)).wrong(),
+        None => per(row, "time_ns").map(short).into(),
     };
-    rows.left("answer", move |row| answer(cell(row)))
+    rows.right("threads", move |row| cell(row).id.threads())
+        .left("arithmetic", move |row| &*cell(row).id.arithmetic)
+        .left("answer", move |row| answer(cell(row)))
         .right("wrong pairs", move |row| wrong(cell(row)))
         .unit("time / N", "ns", time)
-        .unit("time / pair", "ns", move |row| cell(row).per_pair(cell(row).time()?.median))
+        .unit("time / pair", "ns", move |row| {
+            cell(row).per_pair(cell(row).time()?.median).map(short)
+        })
         .unit("memory / N", "bytes", move |row| per(row, "peak_bytes"))
-        .right("threads", move |row| cell(row).id.threads())
-        .left("arithmetic", move |row| &*cell(row).id.arithmetic)
 }
 
 fn answer(cell: &Cell) -> &'static str {
@@ -119,7 +123,7 @@ mod tests {
         let table: Table = measured(Table::of("", &cells), |it| it).into();
         // 100 particles with 250 contacts in a frame: 2.5 pairs per particle.
         for row in &table.rows {
-            assert_eq!(row[2..4], [table::Cell::Number(50.0), table::Cell::Number(20.0)]);
+            assert_eq!(row[4..6], ["50.0", "20.0"].map(table::Cell::from));
         }
         assert_eq!(table.rows.len(), 2);
     }

@@ -10,23 +10,33 @@ use anyhow::{Context, ensure};
 use crate::cli::measuring::report;
 use crate::cli::shared::terminal;
 use contactbench_detectors::table;
+use contactbench_record::record::origin::provenance;
 use contactbench_record::record::row;
 use contactbench_report::site::{self, About, Given};
+use contactbench_run::run::machine::interrupt;
 use contactbench_terms::number::plural;
 
 #[derive(clap::Args)]
 pub struct Site {
     /// Folder that contains records, at any depth
     folder: PathBuf,
-    /// Folder to make; must be empty or missing
+    /// Folder to make: missing, empty, or a site to replace
     #[arg(short, long, value_name = "FOLDER")]
     out: PathBuf,
+    /// Address of FOLDER on the web; the pages link to its raw data
+    #[arg(long, value_name = "URL")]
+    address: Option<String>,
 }
 
 pub fn site(options: &Site) -> anyhow::Result<ExitCode> {
-    let Site { folder, out } = options;
+    interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
+    let Site { folder, out, address } = options;
     let holds = std::fs::read_dir(out).is_ok_and(|mut entries| entries.next().is_some());
-    ensure!(!holds, "{} is not empty; choose another folder with --out", out.display());
+    ensure!(
+        !holds || out.join(site::FILE).is_file(),
+        "{} is not empty and not a site; choose another folder with --out",
+        out.display()
+    );
     let mut given = Vec::new();
     find(folder, folder, &mut given)?;
     ensure!(
@@ -35,14 +45,37 @@ pub fn site(options: &Site) -> anyhow::Result<ExitCode> {
         folder.display(),
         row::FILE
     );
-    let (pages, notes) = site::write(out, &given, &about)?;
-    for note in notes {
+    let copies = copies(&mut given);
+    let (pages, notes) = site::write(out, &given, address.as_deref(), &about)?;
+    for note in copies.into_iter().chain(notes) {
         say!("{note}");
     }
-    let (pages, records) = (plural(pages.len(), "page"), plural(given.len(), "record"));
+    let pages = pages.iter().filter(|page| page.extension().is_some_and(|it| it == "html"));
+    let (pages, records) = (plural(pages.count(), "page"), plural(given.len(), "record"));
     let index = out.join("index.html");
     writeln!(terminal::out(), "{pages} of {records}: {}", index.display())?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Removes records that are equal to an earlier one, and returns a note on each.
+fn copies(given: &mut Vec<Given>) -> Vec<String> {
+    let (mut kept, mut notes) = (Vec::<Given>::new(), Vec::new());
+    let origin = |record: &Given| std::fs::read(record.folder.join(provenance::FILE)).ok();
+    for record in std::mem::take(given) {
+        match kept
+            .iter()
+            .find(|known| known.rows == record.rows && origin(known) == origin(&record))
+        {
+            Some(known) => notes.push(format!(
+                "{} is a copy of {} and is left out",
+                record.folder.display(),
+                known.folder.display()
+            )),
+            None => kept.push(record),
+        }
+    }
+    *given = kept;
+    notes
 }
 
 /// Reads the records in `folder` and below, sorted by path.

@@ -1,6 +1,7 @@
 //! Tests `report.html`: its values are those of the record, and its script works in a browser.
 
 use contactbench::record::folder::{copies, seal};
+use contactbench_terms::number::short;
 use serde_json::{Value, json};
 
 use super::browser::in_browser;
@@ -101,7 +102,7 @@ fn a_page_has_every_result_and_takes_nothing_for_markup() {
     // The median of seven times of nbs with 100 particles, in nanoseconds per particle.
     let mut times: Vec<u64> = (1..=7).map(|block| time(0, 100, block, 2)).collect();
     times.sort();
-    let shown = format!("<td class=\"number\">{:.2}</td>", times[3] as f64 / 100.0);
+    let shown = format!("<td class=\"number\">{}</td>", short(times[3] as f64 / 100.0));
     assert!(table.contains(&shown), "{shown} is not in {table}");
     // A detector is named by its colour in the legend, and drawn with it.
     let (_, legend) = page.split_once("data-colour=\"").unwrap();
@@ -121,8 +122,8 @@ fn the_page_sorts_filters_and_highlights_in_a_browser() {
     let opened = "return [window.evil ?? null, count('figure svg'), count('.results tbody tr')]";
     let Some(opened) = run("", opened) else { return };
     assert_eq!(opened, json!([null, 1, 64]));
-    let sorted = "return [1, 2].map(() => { all('.results th:nth-child(5) button')[0].click(); \
-                  return all('.results tbody td:nth-child(5)').map((it) => it.textContent); })";
+    let sorted = "return [1, 2].map(() => { all('.results th:nth-child(7) button')[0].click(); \
+                  return all('.results tbody td:nth-child(7)').map((it) => it.textContent); })";
     let sorted: [Vec<String>; 2] = serde_json::from_value(run("", sorted).unwrap()).unwrap();
     for (sign, times) in [1.0, -1.0].into_iter().zip(sorted) {
         let numbers = times.into_iter().map_while(|text| text.parse::<f64>().ok());

@@ -46,7 +46,17 @@ fn pages_link_only_to_files_of_the_site() {
         }
     }
     assert!(links > 20, "{links}");
-    at.ends(2, "site . -o site", &["is not empty; choose another folder with --out"]);
+    // A site is replaced, any other folder is not. Equal records count once.
+    at.file("site/records/stale.html", "");
+    at.shell("mkdir -p twice; cp -r samples.jsonl experiments provenance.json twice");
+    at.good("site . -o site");
+    assert!(!at.path("site/records/stale.html").exists());
+    at.shell("mkdir -p two/a two/b; for it in a b; do cp -r twice/* two/$it; done");
+    let copy = at.good("site two -o site --address https://example.org/all/");
+    assert!(copy.stderr.contains("two/b is a copy of two/a and is left out"), "{}", copy.stderr);
+    let page = at.read("site/records/a.html");
+    assert!(page.contains("href=\"https://example.org/all/a/samples.jsonl\""), "{page}");
+    at.ends(2, "site . -o experiments", &["is not empty and not a site; choose another"]);
     at.ends(2, "site experiments -o other", &["found no record"]);
 }
 

@@ -33,6 +33,13 @@ for (const table of document.querySelectorAll("table.results")) {
   const input = Object.assign(document.createElement("input"), { type: "search", id: "words", placeholder: "only rows with …" });
   const count = Object.assign(document.createElement("output"), { id: "count" });
 
+  // A long table opens on the scene with the most rows.
+  if (rows.length > 1000 && state.size === 0) {
+    const sizes = new Map();
+    for (const { cells: [scene] } of rows) sizes.set(scene.textContent, (sizes.get(scene.textContent) ?? 0) + 1);
+    state.set("words", [...sizes].reduce((most, it) => (it[1] > most[1] ? it : most))[0]);
+  }
+
   /** Returns a number for a text that is one, so that numbers are sorted by size; else NaN. */
   const number = (text) => (text === "" ? NaN : Number(text));
 

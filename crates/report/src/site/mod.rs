@@ -27,6 +27,18 @@ use field::Line;
 
 const TEMPLATE: &str = include_str!("../../assets/site/page.html");
 const STYLE: &str = include_str!("../../assets/site/style.css");
+/// A file that only sites have. Without it, no folder is replaced.
+pub const FILE: &str = "made-by-contactbench.txt";
+
+const DATA: [&str; 7] = [
+    "samples.jsonl",
+    "samples.jsonl.gz",
+    "summary.csv",
+    "summary.csv.gz",
+    "experiments",
+    "provenance.json",
+    "report.md",
+];
 
 /// A record as it was read from its folder.
 pub struct Given {
@@ -46,6 +58,7 @@ pub struct About {
 
 pub(crate) struct Record<'a> {
     pub name: &'a str,
+    folder: &'a Path,
     pub facts: Facts<'a>,
     pub rows: &'a [Row],
     /// Day and time of the run.
@@ -71,17 +84,22 @@ fn stem(name: &str) -> String {
     name.bytes().map(escaped).collect()
 }
 
-/// Writes the site into an empty or missing folder, and returns its pages and notes on what was
-/// left out.
+/// Writes the site into a folder, and returns its pages and notes on what was left out. Pages of an
+/// earlier site are removed. `address` is that of the folder of the records on the web.
 ///
 /// # Errors
 /// A page that cannot be written.
 pub fn write(
     out: &Path,
     given: &[Given],
+    address: Option<&str>,
     about: &dyn Fn(&str) -> Option<About>,
 ) -> anyhow::Result<(Vec<PathBuf>, Vec<String>)> {
     let all: Vec<Vec<Cell>> = given.iter().map(|it| cells(&it.rows)).collect();
+    for folder in ["records", "detectors", "figures"] {
+        // A folder that cannot be removed is written over.
+        let _ = std::fs::remove_dir_all(out.join(folder));
+    }
     let mut records = Vec::new();
     for (given, cells) in given.iter().zip(&all) {
         let mut record = Record::new(given, cells);
@@ -97,7 +115,7 @@ pub fn write(
         }
     }
     let lines = field::lines(&records, about);
-    let pages = Site { records: &records, lines: &lines, about }.pages();
+    let pages = Site { records: &records, lines: &lines, address, about }.pages();
     for (path, page) in &pages {
         let path = out.join(path);
         let write = || {
@@ -122,6 +140,7 @@ impl<'a> Record<'a> {
         };
         Record {
             name: &given.name,
+            folder: &given.folder,
             rows: &given.rows,
             date: text("date_utc", 20),
             day: text("date_utc", 10),
@@ -151,7 +170,7 @@ impl<'a> Record<'a> {
     fn html(&self) -> String {
         let facts = &self.facts;
         let mut blocks = facts.head();
-        let older = "Another program made later records here.";
+        let older = "A later record is of another version of this program.";
         blocks.extend(self.older.then(|| Block::paragraph(older)));
         blocks.push(Block::paragraph(format!("{}, {}", self.day, self.cpu)));
         for chapter in &facts.chapters {
@@ -164,9 +183,24 @@ impl<'a> Record<'a> {
     }
 }
 
+impl Record<'_> {
+    /// Returns links to the files of the record below this address.
+    fn data(&self, address: &str) -> String {
+        let link = |file: &&str| {
+            // The folder of all records may be a record itself.
+            let name = if self.folder.ends_with(self.name) { self.name } else { "." };
+            let to = [address.trim_end_matches('/'), name, file].join("/");
+            format!("<a href=\"{}\">{file}</a>", escape(&to))
+        };
+        let files = DATA.iter().filter(|file| self.folder.join(file).exists());
+        format!("<p>Raw data: {}</p>\n", Vec::from_iter(files.map(link)).join(", "))
+    }
+}
+
 struct Site<'a> {
     records: &'a [Record<'a>],
     lines: &'a [Line<'a>],
+    address: Option<&'a str>,
     about: &'a dyn Fn(&str) -> Option<About>,
 }
 
@@ -176,17 +210,19 @@ impl Site<'_> {
         let names: BTreeSet<&str> = self.lines.iter().map(|line| line.detector()).collect();
         let note = "<p class=\"note\">One row for each detector, scene and machine that was timed. \
                     (old): a later record is of another program. \
-                    (disturbed): other programs slowed the machine, or the record is not \
-                    whole.</p>\n";
+                    (disturbed): other programs slowed the machine, it had two modes, or the \
+                    record is not whole.</p>\n";
         let all: Vec<&Line<'_>> = self.lines.iter().collect();
         let field = note.to_string() + &field::table(&all, "").html("results");
         let mut pages = vec![
+            (FILE.into(), "`contactbench site` may replace this folder.\n".into()),
             ("style.css".into(), page::STYLE.to_string() + STYLE),
             ("index.html".into(), html("", "Which particles touch?", &self.front(&names))),
             ("field.html".into(), html("", "All measurements", &field)),
         ];
         pages.extend(self.records.iter().map(|record| {
-            (record.page().into(), html("../", record.facts.title(), &record.html()))
+            let page = record.html() + &self.address.map_or(String::new(), |it| record.data(it));
+            (record.page().into(), html("../", record.facts.title(), &page))
         }));
         pages.extend(names.iter().map(|name| {
             let path = format!("detectors/{}.html", stem(name));
@@ -235,9 +271,6 @@ impl Site<'_> {
         // Only claims that state an answer, and the winners of a race, answer a question.
         let answers = |record: &Record<'_>| -> Vec<String> {
             let first = |chapter: &Chapter<'_>| match chapter.is_a_race() {
-                true if !record.sound() => {
-                    Some(Block::paragraph("no answer: times were disturbed"))
-                }
                 true => Some(Block::Paragraph(chapter.sentence())),
                 false if chapter.verdicts.iter().all(|it| it.claim.answers.is_empty()) => None,
                 false => chapter.answers(false).into_iter().next(),

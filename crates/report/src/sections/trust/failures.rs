@@ -31,7 +31,7 @@ fn table(found: &[Failure<'_>]) -> Block {
         let reasons: BTreeSet<&str> = cells.iter().map(|(_, reason)| *reason).collect();
         match reasons.len() {
             1 => cells[0].1.to_string(),
-            all => format!("{} (and {} like it)", cells[0].1, plural(all - 1, "reason")),
+            all => format!("{} (and {})", cells[0].1, plural(all - 1, "similar reason")),
         }
     };
     let sizes = |cells: &[(u64, &str)]| {
