@@ -17,6 +17,7 @@ use contactbench_record::findings::ratios::Ratios;
 use contactbench_record::findings::trust::conditions::Conditions;
 use contactbench_record::findings::trust::coverage::Coverage;
 use contactbench_record::findings::trust::failures::Culprits;
+use contactbench_record::findings::trust::modes::Modes;
 use contactbench_record::findings::winners::{Winners, winners};
 use contactbench_record::record::folder::ledger::Ledger;
 use contactbench_record::record::origin::{hardware, provenance};
@@ -69,14 +70,17 @@ impl<'a> Facts<'a> {
         styles: Styles,
     ) -> Facts<'a> {
         let origin = Origin::read(folder, rows);
+        let disturbed = origin.conditions.disturbed;
         let chapters: Vec<Chapter<'_>> =
-            experiments.iter().map(|it| Chapter::new(it, cells)).collect();
+            experiments.iter().map(|it| Chapter::new(it, cells, disturbed)).collect();
         let culprits = Culprits::new(&cells.iter().collect::<Vec<_>>(), experiments);
         let doubts = sections::trust::conditions::sentence(&origin.conditions);
         let coverage =
             chapters.iter().map(|chapter| (&*chapter.experiment.name, &chapter.coverage));
         let (whole, partial) =
             sections::trust::coverage::whole_or_partial(&coverage.collect::<Vec<_>>());
+        let modes = Modes::new(&cells.iter().collect::<Vec<_>>());
+        let doubts = doubts.into_iter().chain(sections::trust::conditions::modes(modes));
         let alerts = partial.into_iter().chain(doubts).map(|text| Block::Warning(text.into()));
         Facts {
             verdicts: chapters.iter().flat_map(|chapter| chapter.verdicts.clone()).collect(),
@@ -115,11 +119,16 @@ impl Origin {
 }
 
 impl<'a> Chapter<'a> {
-    fn new(experiment: &'a Experiment, cells: &'a [Cell]) -> Chapter<'a> {
+    fn new(experiment: &'a Experiment, cells: &'a [Cell], disturbed: bool) -> Chapter<'a> {
         let own: Vec<&Cell> = of(experiment, cells).iter().collect();
         let coverage = Coverage::new(experiment, &own);
         let matrix = Matrix::new(&own).filter(|_| experiment.table == Some(Table::Verdicts));
-        let winners = winners(&own);
+        let mut winners = winners(&own);
+        let mut verdicts = claim::verdicts(experiment, cells, &coverage);
+        if disturbed {
+            winners.withdraw();
+            verdicts.iter_mut().for_each(Verdict::withdraw);
+        }
         let about = About { experiment, cells: &own, winners: &winners };
         let (mut tables, mut files) = (Vec::new(), Vec::new());
         let details = if matrix.is_none() { DETAILS } else { &[] };
@@ -135,10 +144,10 @@ impl<'a> Chapter<'a> {
         let compared = found.filter(|found| !found.libraries.is_empty());
         Chapter {
             experiment,
-            verdicts: claim::verdicts(experiment, cells, &coverage),
+            verdicts,
             coverage,
             asks_fastest: experiment.asks_fastest(),
-            answer: compared.as_ref().map(ratios::headline),
+            answer: compared.as_ref().map(|it| ratios::headline(it, disturbed)),
             matrix,
             figures: Vec::new(),
             winners,

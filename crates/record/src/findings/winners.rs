@@ -28,6 +28,8 @@ use contactbench_terms::arithmetic::Arithmetic;
 pub struct Winners {
     pub scenes: usize,
     pub contests: Vec<Contest>,
+    /// Whether the machine was disturbed; then nothing is decided.
+    pub disturbed: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +63,7 @@ pub fn winners(cells: &[&Cell]) -> Winners {
         scenes.iter().flat_map(|scene| plainest(&able(&scene.cells), &noise)).collect();
     let label = series::labels(&taking_part);
     let contests = scenes.iter().filter_map(|scene| contest(scene, &noise, label));
-    Winners { scenes: scenes.len(), contests: contests.collect() }
+    Winners { scenes: scenes.len(), contests: contests.collect(), disturbed: false }
 }
 
 fn is_able(cell: &Cell) -> bool {
@@ -160,6 +162,13 @@ impl Contest {
 }
 
 impl Winners {
+    /// Withdraws all decisions, because the machine was disturbed.
+    pub fn withdraw(&mut self) {
+        self.disturbed = true;
+        let others = self.contests.iter_mut().flat_map(|contest| &mut contest.others);
+        others.for_each(|other| other.slower = false);
+    }
+
     pub fn undecided(&self) -> usize {
         self.contests.iter().filter(|contest| !contest.decided()).count()
     }

@@ -43,7 +43,10 @@ impl<'a> Bar<'a> {
             (Outcome::Wrong, Some(ratio), _) => format!("{}, wrong", times(ratio.median)),
             (outcome, ..) if !outcome.is_good() => letter(outcome).1.into(),
             (_, _, Some(time)) if entry.is_base => format!("1 = {}", per(time)),
-            (_, Some(ratio), Some(time)) => format!("{} = {}", times(ratio.median), per(time)),
+            (outcome, Some(ratio), Some(time)) => {
+                let lossy = if outcome == Outcome::Lossy { ", lossy" } else { "" };
+                format!("{} = {}{lossy}", times(ratio.median), per(time))
+            }
             _ => return None,
         };
         Some(Bar { name, detector, entry, said })

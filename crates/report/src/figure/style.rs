@@ -85,32 +85,27 @@ pub struct Styles(BTreeMap<String, Style>);
 
 impl Styles {
     pub fn new<'a>(cells: impl Iterator<Item = &'a Cell>) -> Styles {
-        let subjects: BTreeMap<String, bool> =
-            cells.map(|cell| (cell.id.subject(), cell.role.is_control())).collect();
-        let mut places: BTreeMap<String, usize> = BTreeMap::new();
+        let mut subjects: BTreeMap<String, bool> = BTreeMap::new();
+        for cell in cells {
+            // Figures name a tracker without its skin, too.
+            let names = [cell.id.subject(), cell.id.subject_without(&["skin"])];
+            subjects.extend(names.map(|name| (name, cell.role.is_control())));
+        }
         let mut styles = BTreeMap::new();
         let mut controls = 0;
         let mut subjects = Vec::from_iter(subjects);
-        subjects.sort_by_key(|(name, _)| name.contains(':'));
+        let is_thick = |name: &str| name.contains("skin=") && of_rule(name).is_none();
+        subjects.sort_by_key(|(name, _)| (name.contains(':'), is_thick(name)));
         for (name, control) in subjects {
-            let style = if control {
+            let key = detector(&name);
+            if control {
                 controls += 1;
                 let marker = if controls % 2 == 1 { Marker::Circle } else { Marker::Cross };
-                Style { colour: CONTROL, marker, control }
-            } else if let Some(style) = of_rule(&name) {
-                style
-            } else {
-                let detector = detector(&name);
-                let place = places.get(&detector).copied().unwrap_or_else(|| {
-                    let taken = |place: &usize| places.values().any(|other| other == place);
-                    let first = preferred(&detector);
-                    let mut all = (first..PALETTE.len()).chain(0..first).chain(PALETTE.len()..);
-                    all.find(|place| !taken(place)).unwrap_or(first)
-                });
-                places.insert(detector, place);
-                of_place(place)
-            };
-            styles.insert(name, style);
+                styles.insert(name, Style { colour: CONTROL, marker, control });
+            } else if !styles.contains_key(&key) {
+                let style = free(&key, &styles);
+                styles.insert(key, style);
+            }
         }
         Styles(styles)
     }
@@ -118,9 +113,22 @@ impl Styles {
     /// Returns the style of a detector. A detector that [`Styles::new`] did not get has the style
     /// that its name prefers.
     pub fn get(&self, name: &str) -> Style {
-        let known = self.0.get(name).copied().or_else(|| of_rule(name));
-        known.unwrap_or_else(|| of_place(preferred(&detector(name))))
+        let known = self.0.get(name).or_else(|| self.0.get(&detector(name)));
+        known.copied().unwrap_or_else(|| free(&detector(name), &BTreeMap::new()))
     }
+}
+
+/// Returns the style that a name prefers, or the next one whose colour is free. Without a free
+/// colour, it is the next free pair of colour and marker.
+fn free(name: &str, taken: &BTreeMap<String, Style>) -> Style {
+    let first = preferred(name);
+    let colours = (first..PALETTE.len()).chain(0..first).map(of_place);
+    let mut colours = of_rule(name).into_iter().chain(colours);
+    let has_colour = |style: &Style| taken.values().any(|other| other.colour == style.colour);
+    let mut others = (PALETTE.len()..PALETTE.len() * Marker::ALL.len()).map(of_place);
+    let free = colours.find(|style| !has_colour(style));
+    free.or_else(|| others.find(|style| taken.values().all(|other| other != style)))
+        .unwrap_or_else(|| of_place(first))
 }
 
 /// Returns the style at a palette index; past the end, colours repeat with other markers.
@@ -201,11 +209,20 @@ mod tests {
             assert!(!style.control && names[..k].iter().all(|other| styles.get(other) != style));
         }
         assert_eq!(styles.get("every-step(detector-3)"), styles.get("detector-3"));
-        assert!(
-            names
-                .iter()
-                .all(|name| styles.get(name)
-                    != of_rule("verlet(nbs,rule=summed,skin=auto)").unwrap())
-        );
+    }
+
+    #[test]
+    fn rules_of_a_figure_have_colours_of_their_own() {
+        let mut lab = Lab::new("e", "packed");
+        let rule = |rule: &str, skin| format!("verlet(streamed-nbs,rule={rule}{skin})");
+        lab.detector("every-step(streamed-nbs)").time(&[1]);
+        let rules = ["top-two", "every-20", "lammps-10-1-yes", "lammps-1-0-no", "summed"];
+        rules.iter().for_each(|name| _ = lab.detector(&rule(name, ",skin=0.1")).time(&[1]));
+        lab.detector(&rule("top-two", ",skin=auto")).time(&[1]);
+        let styles = Styles::new(cells::cells(&lab.rows()).iter());
+        let mut names = Vec::from(rules.map(|name| rule(name, "")));
+        names.extend(["every-step(streamed-nbs)".into(), rule("top-two", ",skin=auto")]);
+        let colours: BTreeSet<Colour> = names.iter().map(|name| styles.get(name).colour).collect();
+        assert_eq!(colours.len(), names.len());
     }
 }

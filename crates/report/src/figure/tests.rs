@@ -51,6 +51,17 @@ fn threads_and_arithmetics_are_lines_and_failures_marks() {
 }
 
 #[test]
+fn a_tracker_that_missed_contacts_has_hollow_marks() {
+    for (lossy, outcome) in [(false, Outcome::Ok), (true, Outcome::Lossy)] {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("verlet(nbs,rule=every-20,skin=0.1)").time(&[10; 5]);
+        lab.edit(|row| row.outcome = outcome);
+        let note = "hollow: missed contacts".to_string();
+        assert_eq!(texts(&drawn(&lab.rows(), "time")).contains(&note), lossy);
+    }
+}
+
+#[test]
 fn odd_data_do_not_break_a_figure() {
     for (n, time) in [(0, 0), (1, 1), (u32::MAX.into(), u64::MAX)] {
         let mut lab = Lab::new("e", "<a & b>");

@@ -1,5 +1,6 @@
 use super::*;
 use contactbench_record::cells::testing::{self, Lab};
+use contactbench_record::findings::claim::Status;
 use contactbench_record::record::row::{Outcome, Pass};
 use contactbench_terms::errors::{Causes, Errors};
 
@@ -56,6 +57,22 @@ fn a_report_has_question_verdicts_figures_and_provenance() {
     assert!(!folder.join("verdicts.csv").exists());
     // Writing the report again gives the same text.
     assert_eq!(written(folder, experiment, &lab).1[0], markdown);
+}
+
+#[test]
+fn nothing_is_decided_by_disturbed_times() {
+    let mut lab = Lab::new("e", "packed");
+    lab.detector("nbs").time(&[100; 15]).detector("library").time(&[300; 15]);
+    let claim = "ratios-to = 'nbs'\n[[claim]]\nname = 'c'\nkind = 'faster'\nthan = \
+                 'library'\nwhere = { detector = 'nbs' }\n";
+    for (load, judged, status) in [("0.1", true, Status::Holds), ("9.0", false, Status::NotShown)] {
+        let folder = tempfile::tempdir().unwrap();
+        let provenance = format!(r#"{{"load_average": "{load} 1 1"}}"#);
+        std::fs::write(folder.path().join("provenance.json"), provenance).unwrap();
+        let (report, texts) = written(folder.path(), testing::experiment(claim), &lab);
+        assert_eq!(report.verdicts[0].evidence.status, status);
+        assert!(texts.iter().all(|text| text.contains("not judged") != judged), "{texts:?}");
+    }
 }
 
 #[test]

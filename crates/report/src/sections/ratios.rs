@@ -1,6 +1,6 @@
 //! Times relative to one detector: the fastest library of each scene, and all ratios.
 
-use super::winners::undecided;
+use super::winners::{NOT_JUDGED, undecided};
 use super::{About, Section};
 use crate::document::{Block, Text};
 use crate::table::{Cell, Table};
@@ -12,7 +12,10 @@ use contactbench_record::record::row::Outcome;
 use contactbench_terms::number::{number, plural, times, with_interval};
 
 /// Counts the scenes in which the reference is faster than the fastest library.
-pub fn headline(found: &Ratios) -> Text {
+pub fn headline(found: &Ratios, disturbed: bool) -> Text {
+    if disturbed {
+        return NOT_JUDGED.into();
+    }
     let count = |wanted: &dyn Fn(&Library) -> bool| -> usize {
         found.libraries.iter().filter(|it| wanted(it)).map(|it| it.scenes).sum()
     };
@@ -36,12 +39,12 @@ pub fn section(about: &About<'_>) -> Option<Section> {
     let none = || vec![Block::paragraph("The reference has no time in this record.")];
     Some(Section {
         heading: format!("Times relative to {reference}"),
-        blocks: found.as_ref().map_or_else(none, blocks),
+        blocks: found.as_ref().map_or_else(none, |it| blocks(it, about.winners.disturbed)),
         csv: found.map(|found| ("ratios.csv", rows(&found))),
     })
 }
 
-fn blocks(found: &Ratios) -> Vec<Block> {
+fn blocks(found: &Ratios, disturbed: bool) -> Vec<Block> {
     let how = Text::marked(
         "Each number is the time over that of the reference: the median of the ratios within a \
          block, and its interval. Below 1 is faster than the reference, which runs with one \
@@ -51,8 +54,8 @@ fn blocks(found: &Ratios) -> Vec<Block> {
     );
     let mut out = Vec::new();
     if !found.libraries.is_empty() {
-        out.push(Block::Paragraph(headline(found)));
-        out.push(Block::Table(libraries(&found.libraries, &found.reference)));
+        out.push(Block::Paragraph(headline(found, disturbed)));
+        out.push(Block::Table(libraries(&found.libraries, &found.reference, disturbed)));
         out.push(Block::paragraph(
             "Times are of warm detections: our detectors reuse their buffers, most libraries \
              allocate memory in each call. Both cold: the ratio of the first detections in new \
@@ -79,8 +82,12 @@ fn blocks(found: &Ratios) -> Vec<Block> {
     out
 }
 
-fn libraries(found: &[Library], reference: &str) -> Table {
-    let decided = |it: &Library| if it.decided() { "decided".into() } else { undecided(&it.open) };
+fn libraries(found: &[Library], reference: &str, disturbed: bool) -> Table {
+    let decided = |it: &Library| match it.decided() {
+        _ if disturbed => "not judged".into(),
+        true => "decided".into(),
+        false => undecided(&it.open),
+    };
     Table::of("", found)
         .left("scene", |it| &*it.title)
         .right("N", |it| it.n)

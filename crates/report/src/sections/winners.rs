@@ -6,11 +6,14 @@ use contactbench_record::stats::interval::spread;
 use contactbench_terms::number::{number, plural, short};
 
 pub const ALL: &str = "Scene by scene";
+/// The answer of a record whose times were disturbed.
+pub const NOT_JUDGED: &str = "Times are not judged, because they were disturbed.";
 
 pub fn blocks(winners: &Winners, cold: bool) -> Vec<Block> {
     let sentence = (winners.scenes > 0).then(|| Block::Paragraph(sentence(winners)));
     let shown = shown(winners);
-    let table = compared(winners).then(|| Block::Table(table(&shown, cold, short)));
+    let table =
+        compared(winners).then(|| Block::Table(table(&shown, cold, short, winners.disturbed)));
     sentence.into_iter().chain(left_out(winners)).chain(table).collect()
 }
 
@@ -22,7 +25,7 @@ pub fn section(about: &About<'_>) -> Option<Section> {
         return None;
     }
     let sentence = (!asked).then(|| Block::Paragraph(sentence(winners)));
-    let table = Block::Table(table(&all, true, number));
+    let table = Block::Table(table(&all, true, number, winners.disturbed));
     Some(Section::new(ALL, sentence.into_iter().chain([table]).collect()))
 }
 
@@ -69,6 +72,7 @@ fn undecided_all(winners: &Winners) -> String {
     let blocks = others.filter_map(|other| Some(other.ratio?.count)).max().unwrap_or(0);
     let scenes = winners.contests.len();
     match blocks {
+        _ if winners.disturbed => NOT_JUDGED.into(),
         _ if scenes == 0 => "No times were taken: only answers, counts and memory.".into(),
         _ if !compared(winners) => "In no scene, two detectors have times.".into(),
         ..5 => {
@@ -84,7 +88,7 @@ fn undecided_all(winners: &Winners) -> String {
 
 /// Returns the table of these scenes, with ratios of first detections if `cold` and if there are
 /// any.
-pub fn table(contests: &[&Contest], cold: bool, time: fn(f64) -> String) -> Table {
+fn table(contests: &[&Contest], cold: bool, time: fn(f64) -> String, disturbed: bool) -> Table {
     fn next(contest: &Contest) -> Option<&RankedSubject> {
         contest.others.first()
     }
@@ -99,16 +103,17 @@ pub fn table(contests: &[&Contest], cold: bool, time: fn(f64) -> String) -> Tabl
         .unit("time / pair", "ns", |it| it.first.per_pair.map(time))
         .left("runner-up", |it| next(it).map_or("alone", |next| &*next.name))
         .right("its time / fastest", |it| next(it).and_then(|next| next.ratio))
-        .left("verdict", |it| decided(it))
+        .left("verdict", |it| decided(it, disturbed))
         .when(cold, |table| table.right("both cold", |it| next(it).and_then(|next| next.cold)))
         .into()
 }
 
-/// Returns `decided`, or names the detectors that may be equally fast.
-fn decided(contest: &Contest) -> Cell {
+/// Returns `decided`, or names the detectors that may be as fast.
+fn decided(contest: &Contest, disturbed: bool) -> Cell {
     let open = contest.others.iter().filter(|other| !other.slower);
     match contest.others.len() {
         0 => Cell::Absent,
+        _ if disturbed => "not judged".into(),
         _ if contest.decided() => "decided".into(),
         _ => undecided(open.map(|other| &other.name)),
     }

@@ -61,6 +61,18 @@ pub struct Evidence {
     pub time: Option<[f64; 2]>,
 }
 
+impl Verdict {
+    /// Withdraws a verdict about times, because the machine was disturbed.
+    pub fn withdraw(&mut self) {
+        // A wrong answer is wrong on any machine; such evidence uses no cell.
+        let judged = [Status::Holds, Status::Fails].contains(&self.evidence.status);
+        if self.claim.uses_time() && judged && !self.evidence.used.is_empty() {
+            self.evidence.status = Status::NotShown;
+            self.evidence.found += "; not judged, because times were disturbed";
+        }
+    }
+}
+
 /// Whether a claim fails whose failure changes the exit code.
 pub fn any_failed(verdicts: &[Verdict]) -> bool {
     verdicts.iter().any(|it| it.claim.is_check() && it.evidence.status == Status::Fails)

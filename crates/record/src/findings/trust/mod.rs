@@ -3,4 +3,5 @@
 pub mod conditions;
 pub mod coverage;
 pub mod failures;
+pub mod modes;
 pub mod noise;

@@ -20,6 +20,8 @@ pub struct Datum {
     pub y: f64,
     pub low: f64,
     pub high: f64,
+    /// Whether a tracker missed contacts.
+    pub lossy: bool,
 }
 
 /// Key of a line, in the order of the legend.
@@ -209,7 +211,8 @@ impl Curve {
         }
         let (low, high) =
             all.iter().fold((middle, middle), |(low, high), &v| (low.min(v), high.max(v)));
-        self.points.push(Datum { x, y: middle, low, high });
+        let lossy = values.iter().any(|(_, cell)| cell.misses_by_rule());
+        self.points.push(Datum { x, y: middle, low, high, lossy });
         values.len() > 1
     }
 }

@@ -164,6 +164,7 @@ impl<'a> Layout<'a> {
         y += 14.0;
         for (shown, words) in [
             (self.plot.points().any(|point| point.high > point.low), bars),
+            (self.plot.points().any(|point| point.lossy), "hollow: missed contacts"),
             (self.shared.slopes, "dashed: costs of N, N log N, N²"),
             (self.plot.keys().iter().any(|key| key.parallel), "dashed: several threads"),
         ] {

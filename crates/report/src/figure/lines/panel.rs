@@ -5,7 +5,7 @@ use crate::figure::axis::Axis;
 use crate::figure::canvas::{Canvas, Dash, Point, Text, width};
 use crate::figure::lines::data::{Curve, CurveKey, Panel};
 use crate::figure::style::{
-    CACHE, CACHE_NAME, FAINT, FRAME, GRID, INK, STRIP, Style, Styles, letter,
+    CACHE, CACHE_NAME, FAINT, FRAME, GRID, INK, STRIP, Style, Styles, WHITE, letter,
 };
 use contactbench_record::stats::growth::Model;
 
@@ -205,6 +205,9 @@ impl Area<'_> {
             if let Some(at) = at(point.x, point.y) {
                 let size = if style.control { 2.5 } else { 4.5 };
                 canvas.marker(at, size, style.marker, style.colour);
+                if point.lossy {
+                    canvas.marker(at, 1.5, style.marker, WHITE);
+                }
             }
         }
     }

@@ -1,5 +1,6 @@
 use contactbench_record::cells::state::SLOW;
 use contactbench_record::findings::trust::conditions::{Conditions, Load};
+use contactbench_record::findings::trust::modes::Modes;
 use contactbench_record::record::folder::ledger::{Ledger, Process};
 use contactbench_terms::number::{number, percent, plural};
 
@@ -7,6 +8,17 @@ pub fn sentence(conditions: &Conditions) -> Option<String> {
     let doubts = &conditions.doubts;
     let said = || format!("do not quote the times of this record: {}", doubts.join("; "));
     (!doubts.is_empty()).then(said)
+}
+
+pub fn modes(modes: Modes) -> Option<String> {
+    modes.are_many().then(|| {
+        format!(
+            "do not quote single times of this record: in {} of {} the machine had two modes, as \
+             medians contradict the ratios within blocks, or those of twins differ by 15%",
+            modes.scenes,
+            plural(modes.of, "scene")
+        )
+    })
 }
 
 pub fn machine(conditions: &Conditions) -> impl Iterator<Item = String> {
