@@ -108,10 +108,11 @@ fn the_other_examples_are_shown_as_printed() {
     assert_eq!((keys(0), keys(1)), (vec![3, 4, 4, 4, 5, 5, 5, 6], vec![7, 5, 6, 7, 6, 7, 8, 6]));
     assert_eq!(links(&sorting, 188, 'D'), [7, 5, 3, 1, 6, 4, 2, 8]);
     // Figures 3.25 to 3.27: the halves that the search for cell (5, 7) keeps.
-    let search = sorting.steps.iter().filter(|step| step.words.starts_with("Mask cell (5, 7): "));
-    let kept: Vec<_> = search.clone().map(|step| step.marks.range.unwrap()).collect();
+    let steps = sorting.steps.iter().filter(|step| step.words.starts_with("Mask cell (5, 7): "));
+    let search: Vec<_> = steps.collect();
+    let kept: Vec<_> = search.iter().map(|step| step.marks.range.unwrap()).collect();
     assert_eq!(kept, [[4, 8], [4, 6], [5, 6], [5, 6]]);
-    assert!(search.last().unwrap().words.ends_with("particle 4 at place 6."));
+    assert!(search[3].words.ends_with("particle 4 at place 6."));
 
     let tree = trace(Algorithm::BinaryTree, None).unwrap();
     assert_eq!(tree.steps.len(), 78);
