@@ -103,7 +103,7 @@ pub fn outcome<'a>(cells: &Seeds<'a>) -> (Outcome, &'a str) {
     found.max_by_key(|(outcome, _)| (!outcome.is_good(), *outcome)).unwrap_or((Outcome::Ok, ""))
 }
 
-/// The ratio of two subjects' times: within each block, the median over seeds of the ratio.
+/// The ratio of two subjects' times, with its interval over the ratios of all seeds and blocks.
 pub fn ratio(a: &Seeds<'_>, b: &Seeds<'_>) -> Option<Interval> {
     ratio_of(a, |cell| &cell.times, b, |cell| &cell.times)
 }

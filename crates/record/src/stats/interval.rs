@@ -120,7 +120,8 @@ pub fn ratio(a: &Blocks, b: &Blocks) -> Option<Interval> {
     typical_ratio(&[(a, b)])
 }
 
-/// Like [`ratio`], for several pairs (a, b): the median over blocks of the median over the pairs.
+/// Like [`ratio`], for several pairs (a, b). Pairs measured in one span share its blocks, and the
+/// median of a block counts once. Scenes of several seeds have their own spans, so all ratios count.
 pub fn typical_ratio(pairs: &[(&Blocks, &Blocks)]) -> Option<Interval> {
     let mut blocks: BTreeMap<Block, Vec<f64>> = BTreeMap::new();
     for (a, b) in pairs {
