@@ -6,7 +6,7 @@ use clap::Parser;
 use contactbench_ground::limits::refusal::no_memory;
 
 use crate::cli::{say, shell};
-use contactbench_record::record::faults::Damaged;
+use contactbench_record::record::faults::{Damaged, MOST_THREADS};
 use contactbench_record::record::origin::built::{self, Build};
 use contactbench_run::check::subject;
 
@@ -32,6 +32,10 @@ pub fn prepare(build: Build) {
 
 /// Returns the arguments of the process, or the exit code after it printed help or an error.
 pub fn parsed<Cli: Parser>() -> Result<Cli, ExitCode> {
+    if let Some(name) = POOLS.into_iter().find(|name| too_many(name)) {
+        say(&format!("contactbench: {name} must be at most {MOST_THREADS}"));
+        return Err(ExitCode::from(2));
+    }
     Cli::try_parse().map_err(|error| {
         if !error.use_stderr() {
             error.exit()
@@ -39,6 +43,14 @@ pub fn parsed<Cli: Parser>() -> Result<Cli, ExitCode> {
         say(&format!("contactbench: {}", sentence(&error)));
         ExitCode::from(2)
     })
+}
+
+/// Environment variables with the number of threads that rayon starts, without a limit of its own.
+const POOLS: [&str; 2] = ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"];
+
+fn too_many(name: &str) -> bool {
+    let threads = std::env::var(name).ok().and_then(|text| text.parse::<usize>().ok());
+    threads.is_some_and(|threads| threads > MOST_THREADS)
 }
 
 /// Formats an error of clap like the errors of this program, as one line.

@@ -37,7 +37,7 @@ pub struct Recommend {
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     /// Threads, if the detector can use them
-    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = values::whole::<usize>)]
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = values::threads)]
     threads: usize,
     #[command(flatten)]
     limit: Limit,
@@ -50,7 +50,6 @@ pub struct Recommend {
 pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
-    ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
     let (name, given) = options.source.given()?;
     ensure!(!given.scene.is_empty(), "{name}: the scene has no particles");
     let history = history(&name)?;

@@ -27,20 +27,32 @@ pub fn lines(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Escapes text for a cell of a CSV file, by an apostrophe in front if a spreadsheet would take it
-/// for a formula: if it begins with `=`, `+`, `-`, `@`, a tab or a carriage return and is not a
-/// number.
+/// Escapes text for a cell of a CSV file. Control characters become U+FFFD. An apostrophe is put in
+/// front of text that a spreadsheet would take for a formula: it begins with `=`, `+`, `-` or `@`
+/// and is not a number.
 pub fn csv_cell(text: &str) -> Cow<'_, str> {
-    let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']);
-    if formula && text.parse::<f64>().is_err() {
-        Cow::Owned(format!("'{text}"))
-    } else {
-        Cow::Borrowed(text)
+    let formula = text.starts_with(['=', '+', '-', '@']) && text.parse::<f64>().is_err();
+    match (formula, text.contains(is_control)) {
+        (false, false) => Cow::Borrowed(text),
+        (formula, _) => Cow::Owned(
+            ["", "'"][usize::from(formula)].to_string() + &text.replace(is_control, "\u{fffd}"),
+        ),
     }
 }
 
+/// Cuts the middle out of a text of over [`LONGEST`] characters.
+pub fn shortened(text: &str) -> Cow<'_, str> {
+    let Some((cut, _)) = text.char_indices().nth(LONGEST) else { return Cow::Borrowed(text) };
+    let (head, tail) = (text.floor_char_boundary(cut / 2), text.len() - cut / 2);
+    let tail = text.ceil_char_boundary(tail);
+    Cow::Owned(format!("{} ... {}", &text[..head], &text[tail..]))
+}
+
+/// Longest line that is printed whole, in characters.
+const LONGEST: usize = 4000;
+
 /// Whether the character controls a terminal, or changes the order or the end of a line.
-fn is_control(c: char) -> bool {
+pub fn is_control(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
@@ -69,7 +81,8 @@ pub fn html(text: &str) -> String {
             '"' => out += "&quot;",
             '\'' => out += "&#39;",
             '\t' | '\n' | '\r' => out.push(c),
-            '\0'..' ' | '\u{7f}'..'\u{a0}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            c if is_control(c) => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }
@@ -96,7 +109,8 @@ mod tests {
 
     #[test]
     fn no_text_becomes_markup() {
-        assert_eq!(html("<a href=\"x\">&'\u{1}"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;\u{fffd}");
+        let marked = html("<a href=\"x\">&'\u{1}\u{202e}");
+        assert_eq!(marked, "&lt;a href=&quot;x&quot;&gt;&amp;&#39;\u{fffd}\u{fffd}");
     }
 
     #[test]
@@ -120,12 +134,21 @@ mod tests {
 
     #[test]
     fn cells_hold_no_formulas_and_numbers_stay() {
-        for text in ["=1+1", "+a", "-a", "@a", "\ta", "\ra", "=", "-1-1"] {
+        for text in ["=1+1", "+a", "-a", "@a", "=", "-1-1"] {
             assert_eq!(csv_cell(text), format!("'{text}"));
         }
+        assert_eq!(csv_cell("\ta\u{1b}[31m"), "\u{fffd}a\u{fffd}[31m");
         for text in ["", "-1", "+1e5", "-inf", "a=b", "nbs", "1-1"] {
             assert_eq!(csv_cell(text), text);
         }
+    }
+
+    #[test]
+    fn a_long_text_is_cut_in_its_middle() {
+        let [whole, long] = [LONGEST, 100_000].map(|length| "\u{e9}".repeat(length) + "b");
+        assert_eq!(shortened(&whole[..2 * LONGEST]), whole[..2 * LONGEST]);
+        let cut = shortened(&long);
+        assert!(cut.len() < 3 * LONGEST && cut.ends_with('b') && cut.contains(" ... "), "{cut}");
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub struct Detect {
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     /// Threads, if the detector can use them
-    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = values::whole::<usize>)]
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = values::threads)]
     threads: usize,
     #[command(flatten)]
     limit: Limit,

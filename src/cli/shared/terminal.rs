@@ -32,7 +32,7 @@ pub fn say(line: &str) {
     #[cfg(not(unix))]
     let width = usize::MAX;
     let mut out = std::io::stderr().lock();
-    let _ = writeln!(out, "{}", wrapped(&text::line(line), width));
+    let _ = writeln!(out, "{}", wrapped(&text::line(&text::shortened(line)), width));
 }
 
 /// Prints a command on standard error as one line, which can be copied; ignores errors.

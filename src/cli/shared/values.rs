@@ -5,14 +5,22 @@ use std::ffi::OsStr;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 
 use contactbench_detectors::table::TABLE;
+use contactbench_record::record::faults::MOST_THREADS;
 use contactbench_run::plan::{builtin, detectors};
 use contactbench_scenes::spec::GENERATORS;
-use contactbench_terms::number;
+use contactbench_terms::{must, number};
 
 /// Parses a whole number: `1000000`, `1e6`, `1_000_000`.
 pub fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
     let value = number::whole(text).and_then(|value| T::try_from(value).ok());
     value.ok_or_else(|| "it must be a whole number, such as 1000 or 1e6".into())
+}
+
+/// Parses a number of threads, from 1 to [`MOST_THREADS`].
+pub fn threads(text: &str) -> Result<usize, String> {
+    let some = whole(text)?;
+    must!((1..=MOST_THREADS).contains(&some), "it must be a number from 1 to {MOST_THREADS}");
+    Ok(some)
 }
 
 /// Parses a number of bytes: `4294967296`, `4GiB`, `512MB`.

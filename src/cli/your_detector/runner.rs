@@ -18,7 +18,7 @@ pub struct Serve {
     #[arg(hide_possible_values = true)]
     arithmetic: Arithmetic,
     /// Threads, if the detector can use them
-    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = values::whole::<usize>)]
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = values::threads)]
     threads: usize,
     /// Memory, as in 2GiB [default: 4GiB, or 1/4 of all]
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]

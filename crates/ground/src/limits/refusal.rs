@@ -80,8 +80,9 @@ pub enum Refusal {
     Exhausted { bytes: u64 },
     /// A particle is so far from its periodic box that its image has no number.
     #[error(
-        "particle {particle} is {boxes:e} boxes away from the periodic box along its vector {}, \
+        "particle {particle} is {} boxes away from the periodic box along its vector {}, \
          and images are numbered below 2^29; move the particle into the box, or fix the box",
+        if boxes.is_finite() { format!("{boxes:e}") } else { "over 1e308".into() },
         vector + 1
     )]
     Away { particle: u32, vector: usize, boxes: f64 },

@@ -1,4 +1,5 @@
 use super::{Block, Style, Text};
+use contactbench_terms::text::is_control;
 
 pub fn markdown(blocks: &[Block]) -> String {
     blocks.iter().map(|block| block_text(block) + "\n").collect()
@@ -24,7 +25,7 @@ fn block_text(block: &Block) -> String {
 
 fn words(text: &Text) -> String {
     text.written([["**"; 2], ["*"; 2], ["`"; 2]], |style, text| match style {
-        Style::Code => text.replace(is_break, " ").replace('`', "'"),
+        Style::Code => text.replace(is_control, " ").replace('`', "'"),
         _ => escaped(text),
     })
 }
@@ -35,18 +36,15 @@ pub fn escaped(text: &str) -> String {
     for c in text.chars() {
         match c {
             '|' | '*' | '_' | '<' | '>' | '`' | '\\' | '[' | ']' | '#' => out.extend(['\\', c]),
-            c if c.is_control() => out.push(' '),
+            c if is_control(c) => out.push(' '),
             c => out.push(c),
         }
     }
     out
 }
 
-fn is_break(c: char) -> bool {
-    c.is_control() || matches!(c, '\u{2028}' | '\u{2029}')
-}
-
 #[test]
 fn nothing_becomes_markup() {
     assert_eq!(escaped("a|b*c_d<e>\n`f`[g]#"), "a\\|b\\*c\\_d\\<e\\> \\`f\\`\\[g\\]\\#");
+    assert_eq!(escaped("a\u{202e}b\u{1b}"), "a b ");
 }
