@@ -11,7 +11,7 @@ use contactbench::record::merge::Part;
 use contactbench::record::row;
 
 use crate::committed::committed;
-use crate::common::Place;
+use crate::common::{PROGRAM, Place};
 
 fn results() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/results"))
@@ -99,4 +99,26 @@ fn claims_marked_before_are_older_than_the_first_record() {
         }
     }
     assert!(limits.len() > 10, "{limits:?}");
+}
+
+/// Exact counts of a contributed record are compared with those that the program has.
+#[cfg(unix)]
+#[test]
+fn contributed_counts_are_those_of_the_program() {
+    let at = Place::new();
+    let run = |command: &mut Command| command.current_dir(at.root()).output().unwrap();
+    run(Command::new("cp").arg("-r").arg(results().join("reference/standard")).arg("a"));
+    run(Command::new("gunzip").arg("a/samples.jsonl.gz"));
+    let row = ["\"scaling\"", "\"n\":1000,", "\"streamed-nbs\"", "\"pass\":\"count\""];
+    let text = at.read("a/samples.jsonl");
+    let line = text.lines().find(|line| row.iter().all(|words| line.contains(words))).unwrap();
+    let more = super::edited(line, |row| {
+        row["counts"]["contact_test"] =
+            (row["counts"]["contact_test"].as_u64().unwrap() + 1).into();
+    });
+    at.file("a/samples.jsonl", text.replacen(line, &more, 1));
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/.ci/contributed");
+    let ended = run(Command::new(script).args([PROGRAM, "a"]));
+    let out = String::from_utf8_lossy(&ended.stdout);
+    assert!(!ended.status.success() && out.contains("counts are not those"), "{out}");
 }
