@@ -91,6 +91,127 @@ fn an_edited_line_is_named() {
     at.good("run t.toml --resume --out a");
 }
 
+/// Deleting samples, as of the fastest blocks, is found, and they can be measured again.
+#[test]
+fn a_deleted_sample_is_missed() {
+    let (at, text) = measured();
+    let last = text.lines().rev().find(|line| line.contains("\"pass\":\"time\"")).unwrap();
+    let span = serde_json::from_str::<Value>(last).unwrap()["span"].as_str().unwrap().to_string();
+    at.file(RECORD, text.replacen(&format!("{last}\n"), "", 1));
+    refused(&at, &["a/provenance.jsonl: the span", &span, "rows, and ", "are left", "--resume"]);
+    at.ends(1, "merge a whole --out b", &[&span]);
+    at.good("run t.toml --resume --out a");
+    assert_eq!(at.read(RECORD).lines().count(), text.lines().count());
+}
+
+/// A sample that stands twice, as two blocks, is found, also if it is moved by a millisecond.
+#[test]
+fn no_sample_is_counted_twice() {
+    let (at, text) = measured();
+    for later in [0, 1] {
+        let copies = text.lines().filter(|line| line.contains("\"pass\":\"time\"")).map(|line| {
+            super::edited(line, |row| {
+                row["block"] = (row["block"].as_u64().unwrap() + 3).into();
+                row["began_ms"] = (row["began_ms"].as_u64().unwrap() + later).into();
+            }) + "\n"
+        });
+        at.file(RECORD, text.clone() + &copies.collect::<String>());
+        refused(&at, &["its sample overlaps in time"]);
+        // Another folder with the copies alone cannot be merged as a second run.
+        std::fs::create_dir_all(at.path("b/experiments")).unwrap();
+        for name in ["provenance.json", "provenance.jsonl", "experiments/t.toml"] {
+            std::fs::copy(at.path("a").join(name), at.path("b").join(name)).unwrap();
+        }
+        let faster = text.lines().map(|line| {
+            super::edited(line, |row| {
+                if row["time_ns"].is_u64() {
+                    row["began_ms"] = (row["began_ms"].as_u64().unwrap() + later).into();
+                    (row["calls"], row["elapsed_ns"]) = (1.into(), row["time_ns"].clone());
+                }
+            }) + "\n"
+        });
+        at.file("b/samples.jsonl", faster.collect::<String>());
+        at.ends(2, "merge whole b --out c", &["cannot be merged", "overlaps in time"]);
+        assert!(!at.path("c").exists());
+    }
+}
+
+#[test]
+fn impossible_numbers_are_refused() {
+    let (at, text) = measured();
+    let [time, count] =
+        ["time", "count"].map(|pass| line(&text, &[&format!("\"pass\":\"{pass}\"")]));
+    type Change = fn(&mut Value);
+    let cases: [(usize, Change, &str); 9] = [
+        (count, |row| row["counts"]["contact_test"] = 1.into(), "contact_test 1, and found"),
+        (count, |row| row["counts"]["exact_test"] = (1u64 << 40).into(), "exact_test"),
+        (count, |row| row["counts"]["contact_test"] = u64::MAX.into(), "are possible"),
+        (time, |row| row["block"] = u32::MAX.into(), "block 4294967295"),
+        (time, |row| row["pulse_ns"] = 1.into(), "pulse_ns 1"),
+        (time, |row| row["first_ns"] = 1.into(), "first_ns 1"),
+        (time, |row| row["calls"] = 1.into(), "elapsed_ns / calls, rounded"),
+        (time, |row| row["first_ns"] = 1_000_000_000_000u64.into(), "are these nanoseconds?"),
+        (
+            time,
+            |row| {
+                let long = 1u64 << 62;
+                (row["time_ns"], row["calls"], row["elapsed_ns"]) =
+                    (long.into(), 1.into(), long.into());
+            },
+            "time_ns 4611686018427387904",
+        ),
+    ];
+    for (number, change, words) in cases {
+        at.file(RECORD, forged(&text, number, change));
+        refused(&at, &[&format!("{RECORD}:{number}: "), words]);
+    }
+}
+
+/// Dates and revisions may not contradict the clock or the rows.
+#[test]
+fn provenance_fits_the_rows() {
+    let (at, text) = measured();
+    let fields = at.read("a/provenance.json");
+    for (name, value, words) in [
+        ("date_utc", "2099-01-01T00-00-00", "its date_utc is 2099"),
+        ("date_utc", "1970-01-01T00-00-00", "its date_utc is 1970"),
+        ("date_utc", "<script>", "its date_utc is <script>"),
+        ("revision", "ffffffffffffffffffffffffffffffffffffffff", "its revision is ffff"),
+    ] {
+        at.file("a/provenance.json", super::edited(&fields, |it| it[name] = value.into()));
+        refused(&at, &["a/provenance.json: ", words]);
+    }
+    at.file("a/provenance.json", &fields);
+    for (ms, words) in
+        [(1_000_000_000_000u64, "first sample began at 2001"), (5_000_000_000_000, "future")]
+    {
+        let rows = text.lines().map(|line| {
+            super::edited(line, |row| {
+                if let Some(began) = row["began_ms"].as_u64() {
+                    row["began_ms"] = (ms + began % 1_000_000_000).into();
+                }
+            }) + "\n"
+        });
+        at.file(RECORD, rows.collect::<String>());
+        refused(&at, &["a/provenance.json: ", words]);
+    }
+}
+
+/// A pipe under the name of a file is refused, because reading it would never end.
+#[cfg(unix)]
+#[test]
+fn only_files_are_read() {
+    let (at, _) = measured();
+    for name in ["samples.jsonl", "provenance.json", "provenance.jsonl", "experiments/t.toml"] {
+        let place = at.path("a").join(name);
+        std::fs::rename(&place, at.path("kept")).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(&place).status().unwrap().success());
+        refused(&at, &[&format!("a/{name}: it is not a file")]);
+        std::fs::remove_file(&place).unwrap();
+        std::fs::rename(at.path("kept"), &place).unwrap();
+    }
+}
+
 #[test]
 fn rows_are_held_to_each_other() {
     let (at, text) = measured();

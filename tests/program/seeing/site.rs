@@ -67,7 +67,7 @@ fn each_record_has_its_page_and_old_rows_are_marked() {
     let fields: Value = serde_json::from_str(&at.read("provenance.json")).unwrap();
     // Two names differ only in a sign, and a link leads back.
     let made =
-        [("a/b", "2026-11-02", "new"), ("a-b", "2026-11-01", "old"), ("c", "2026-06-01", "new")];
+        [("a/b", "2026-11-24", "new"), ("a-b", "2026-11-23", "old"), ("c", "2026-11-22", "new")];
     for (name, day, revision) in made {
         at.shell(&format!("mkdir -p all/{name}; cp -r samples.jsonl experiments all/{name}"));
         let mut fields = fields.clone();

@@ -1,11 +1,16 @@
-//! Checks that rows of one scene have one scene hash and one digest. A record with a fault is
-//! refused.
+//! Checks of rows against each other, and against what stands beside them: impossible numbers,
+//! several answers for one scene, overlapping samples, deleted rows, wrong dates and revisions. A
+//! record with a fault is refused.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
+use serde_json::Value;
+
+use crate::record::folder::ledger::{Ledger, Span};
 use crate::record::folder::{done, file};
 use crate::record::id::Projection;
+use crate::record::origin::provenance;
 use crate::record::outcome::Outcome;
 use crate::record::row::Row;
 use contactbench_terms::text;
@@ -43,9 +48,20 @@ pub fn is_word(name: &str) -> bool {
         && !name.starts_with('.')
 }
 
-/// Returns the index of the first row whose scene hash or digest is not that of earlier rows of its
-/// scene, and a sentence about it.
-pub fn fault(rows: &[Row]) -> Option<(usize, String)> {
+/// Returns the index of a faulty row, and a sentence about it.
+pub fn fault(rows: &[Row], ledger: &Ledger) -> Option<(usize, String)> {
+    let impossible = |(k, row): (usize, &Row)| {
+        let span = row.span.as_ref().and_then(|id| ledger.spans.get(id));
+        // The length of a span is rounded to milliseconds.
+        let within_ns = span.map(|span| ((span.seconds + 1e-3) * 1e9) as u64);
+        Some((k, row.possible(within_ns).err()?))
+    };
+    let found = rows.iter().enumerate().find_map(impossible);
+    found.or_else(|| contradiction(rows)).or_else(|| overlap(rows))
+}
+
+/// Returns the first row whose scene hash or digest is not that of earlier rows of its scene.
+fn contradiction(rows: &[Row]) -> Option<(usize, String)> {
     let mut known: HashMap<(Projection, &str, &str), &str> = HashMap::new();
     for (k, row) in rows.iter().enumerate() {
         let scene = done::scene(&row.id.clone().anywhere());
@@ -62,4 +78,91 @@ pub fn fault(rows: &[Row]) -> Option<(usize, String)> {
         }
     }
     None
+}
+
+/// Returns a sample that began before another one on the same processor had ended. A copy of a
+/// sample, as another block, is found by this.
+pub fn overlap(rows: &[Row]) -> Option<(usize, String)> {
+    let mut samples = Vec::new();
+    for (k, row) in rows.iter().enumerate() {
+        let began = row.processor.zip(row.began_ms).zip(row.elapsed_ns);
+        let Some(((processor, began), elapsed_ns)) = began else { continue };
+        let lasted_ns = elapsed_ns.saturating_add(row.first_ns.unwrap_or(0));
+        let place = (row.id.machine.as_deref(), processor);
+        samples.push((place, began, lasted_ns / 1_000_000, k));
+    }
+    samples.sort_unstable();
+    let found = samples.windows(2).find(|pair| {
+        let ((place, began, lasted, _), (next, then, ..)) = (pair[0], pair[1]);
+        // A process starts between two samples, which takes over a millisecond.
+        place == next && then < began.saturating_add(lasted.max(1))
+    })?;
+    let ((_, began, _, k), (.., other)) = (found[0], found[1]);
+    let (first, second) = (&rows[k.min(other)], k.max(other));
+    let words = format!(
+        "its sample overlaps in time with that of {} in block {}, begun at {began} ms on the same \
+         processor: one is a copy, or two runs shared the processor",
+        first.id.subject(),
+        first.block
+    );
+    Some((second, words))
+}
+
+/// Returns the spans that have fewer rows than were written during them, with the rows left.
+pub fn shortened(rows: &[Row], ledger: &Ledger) -> Vec<Span> {
+    let mut left: HashMap<&str, u64> = HashMap::new();
+    rows.iter().filter_map(|row| row.span.as_deref()).for_each(|id| {
+        *left.entry(id).or_default() += 1;
+    });
+    let left = |span: &Span| left.get(&*span.id).copied().unwrap_or(0);
+    let spans = ledger.spans.values().filter(|span| span.rows.is_some_and(|was| left(span) < was));
+    spans.map(|span| Span { rows: Some(left(span)), ..span.clone() }).collect()
+}
+
+/// Returns a sentence if rows of a span are missing.
+pub fn deleted(rows: &[Row], ledger: &Ledger) -> Option<String> {
+    let Span { id, scene, rows: left, .. } = shortened(rows, ledger).into_iter().next()?;
+    let was = ledger.spans.get(&id)?.rows?;
+    Some(format!(
+        "the span {id} ({scene}) had {was} rows, and {} are left; contactbench run --resume \
+         measures deleted samples again",
+        left.unwrap_or(0)
+    ))
+}
+
+/// The day of the first program that wrote records.
+const FIRST_DAY: &str = "2026-11-21";
+
+/// Returns a sentence if dates or revisions of the provenances contradict the rows or the clock.
+pub fn origin(rows: &[Row], ledger: &Ledger, provenances: &[&Value]) -> Option<String> {
+    let texts = |name: &str| -> Vec<&str> {
+        provenances.iter().filter_map(|fields| fields.get(name)?.as_str()).collect()
+    };
+    let (dates, tomorrow) = (texts("date_utc"), provenance::date_after(86_400));
+    let is_date = |date: &str| {
+        let like = |(a, b): (u8, u8)| a == b || a.is_ascii_digit() && b.is_ascii_digit();
+        date.len() == tomorrow.len() && date.bytes().zip(tomorrow.bytes()).all(like)
+    };
+    let possible = |date: &str| is_date(date) && date >= FIRST_DAY && *date <= *tomorrow;
+    if let Some(date) = dates.iter().find(|date| !possible(date)) {
+        return Some(format!("its date_utc is {date}: from {FIRST_DAY} to today is possible"));
+    }
+    let began =
+        || rows.iter().filter_map(|row| row.began_ms).map(|ms| provenance::dated(ms / 1000));
+    if let Some(late) = began().find(|began| *began > tomorrow) {
+        return Some(format!("a sample began at {late}, which is in the future"));
+    }
+    if let (Some(date), Some(first)) = (dates.iter().min(), began().min())
+        && **date > *first
+    {
+        return Some(format!("its date_utc is {date}, but its first sample began at {first}"));
+    }
+    let said: BTreeSet<&str> =
+        texts("revision").into_iter().flat_map(|it| it.split(", ")).collect();
+    let ours = rows.iter().filter(|row| row.role.is_ours() && row.role.base_of().is_none());
+    let built = |row: &Row| ledger.processes.get(row.process.as_deref()?)?.build.get("revision");
+    let other =
+        ours.filter_map(built).find(|built| !said.is_empty() && !said.contains(&***built))?;
+    let said = Vec::from_iter(said).join(", ");
+    Some(format!("its revision is {said}, but the program of a row has {other}"))
 }

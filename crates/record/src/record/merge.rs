@@ -7,8 +7,9 @@ use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
 use crate::record::column::COLUMNS;
+use crate::record::faults::{self, Damaged};
 use crate::record::folder;
-use crate::record::folder::ledger::Ledger;
+use crate::record::folder::ledger::{self, Ledger};
 use crate::record::folder::{done, file};
 use crate::record::id::{CellId, Projection};
 use crate::record::origin::machines::{Labels, Machine, described};
@@ -61,7 +62,7 @@ impl Part {
         };
         let copies = folder::experiments(folder);
         let experiments = copies.into_iter().map(read).collect::<anyhow::Result<_>>()?;
-        Ok(Part {
+        let part = Part {
             folder: folder.to_path_buf(),
             rows: record.rows,
             warnings: record.warnings,
@@ -70,7 +71,15 @@ impl Part {
             others: provenance::of_others(folder),
             ledger: Ledger::read(folder),
             bytes: record.bytes,
-        })
+        };
+        let provenances: Vec<&Value> = part.provenances().collect();
+        for (name, fault) in [
+            (ledger::FILE, faults::deleted(&part.rows, &part.ledger)),
+            (provenance::FILE, faults::origin(&part.rows, &part.ledger, &provenances)),
+        ] {
+            fault.map_or(Ok(()), |what| Err(Damaged::new(&folder.join(name), what)))?;
+        }
+        Ok(part)
     }
 
     pub fn machine(&self, name: &str) -> Machine {
@@ -138,6 +147,9 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
             *block = row.block.max(*block);
             known.entry(row.anywhere()).or_default().push(row.clone());
         }
+    }
+    if let Some((k, what)) = faults::overlap(&rows) {
+        bail!("a row of {} cannot be merged: {what}", rows[k].id.subject());
     }
     let provenance = labels.provenance(parts);
     Ok(Merged { rows, repeated, renumbered, provenance })

@@ -7,6 +7,7 @@ pub mod id;
 pub mod merge;
 pub mod origin;
 pub mod outcome;
+pub mod possible;
 pub mod role;
 pub mod row;
 pub mod value;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 pub use crate::record::folder::file::{FILE, Record, SCHEMA, Writer, exists, read, unpacked};
 use crate::record::id::CellId;
 pub use crate::record::outcome::{Outcome, Pass};
+use crate::record::possible::{self, Sampled};
 use crate::record::role::Role;
 use crate::stats::interval::Block;
 use contactbench_terms::errors::{Causes, Errors};
@@ -156,6 +157,25 @@ impl Row {
     /// The measurement, on any machine.
     pub fn anywhere(&self) -> Measurement {
         Measurement { id: self.id.clone().anywhere(), ..self.measurement() }
+    }
+
+    /// Fails if a number of the row is impossible. The row was measured within this many
+    /// nanoseconds, if they are known.
+    pub fn possible(&self, within_ns: Option<u64>) -> Result<(), String> {
+        let within_ns = within_ns.unwrap_or(u64::MAX);
+        possible::bounded("block", Some(self.block.into()))?;
+        possible::bounded("pulse_ns", self.pulse_ns)?;
+        let frames = self.moved.as_ref().map_or(1, |moved| moved.frames);
+        possible::counts(&self.counts, self.contacts.unwrap_or(0), self.id.n, frames)?;
+        possible::memory(self.peak_bytes.unwrap_or(0), self.live_bytes.unwrap_or(0))?;
+        let (first_ns, building_ns) = (self.first_ns, self.building_ns);
+        match (self.time_ns, self.calls, self.elapsed_ns) {
+            // The time of copies is their harmonic mean.
+            (Some(time_ns), Some(calls), Some(elapsed_ns)) if self.pass == Pass::Time => {
+                Sampled { time_ns, calls, elapsed_ns, first_ns, building_ns, within_ns }.check()
+            }
+            _ => possible::bounded("time_ns", self.time_ns),
+        }
     }
 
     /// The block and span of the row. Rows of one block are paired only within one span; a resumed

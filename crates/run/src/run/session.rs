@@ -15,8 +15,10 @@ use crate::run::stage::{Log, Progress, Stage};
 use crate::run::subject::is_build;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;
+use contactbench_record::record::faults;
+use contactbench_record::record::folder::copies;
 use contactbench_record::record::folder::done::{Index, TooSlow};
-use contactbench_record::record::folder::{copies, ledger};
+use contactbench_record::record::folder::ledger::{self, Ledger};
 use contactbench_record::record::origin::{machines, provenance};
 use contactbench_record::record::row::{Record, Row, Writer};
 use contactbench_record::record::{folder, row};
@@ -102,7 +104,10 @@ pub fn run(
     std::fs::create_dir_all(folder.join(folder::EXPERIMENTS)).with_context(|| {
         format!("cannot make the result folder {}; choose another with --out", folder.display())
     })?;
-    let (record, origins) = opened(folder, done.rows.len())?;
+    let (record, mut origins) = opened(folder, done.rows.len())?;
+    for span in faults::shortened(&done.rows, &Ledger::read(folder)) {
+        origins.span(span)?;
+    }
     interrupt::install().context("cannot listen to Ctrl-C")?;
     write_origin(asked, folder, &label, base, done.rows.is_empty())?;
     let (too_slow, noted) = (TooSlow::new(&done.rows), BTreeSet::new());

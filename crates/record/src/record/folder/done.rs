@@ -13,6 +13,7 @@ pub struct Index {
     /// Cells that ended badly, with the first bad row. A resumed run measures nothing more there.
     ended: HashMap<Tried, Row>,
     scenes: HashMap<Projection, String>,
+    blocks: HashMap<Projection, u32>,
 }
 
 /// A subject on a scene, and whether it was timed as copies. Failed copies do not affect other
@@ -39,11 +40,21 @@ impl Index {
         let scenes = made
             .map(|row| (scene(&row.id.clone().anywhere()), row.stats.scene_hash.clone()))
             .collect();
-        Index { scenes, measured: rows.iter().map(Row::anywhere).collect(), ended }
+        let mut blocks = HashMap::new();
+        for row in rows {
+            let last: &mut u32 = blocks.entry(scene(&row.id.clone().anywhere())).or_default();
+            *last = row.block.max(*last);
+        }
+        Index { scenes, blocks, measured: rows.iter().map(Row::anywhere).collect(), ended }
     }
 
     pub fn scene_hash(&self, row: &Row) -> Option<&str> {
         self.scenes.get(&scene(&row.id.clone().anywhere())).map(String::as_str)
+    }
+
+    /// The last block of the row's scene.
+    pub fn blocks(&self, row: &Row) -> u32 {
+        self.blocks.get(&scene(&row.id.clone().anywhere())).copied().unwrap_or(0)
     }
 
     pub fn has(&self, row: &Row) -> bool {

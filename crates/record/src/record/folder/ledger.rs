@@ -49,6 +49,9 @@ pub struct Executed {
 pub struct Span {
     pub id: String,
     pub scene: String,
+    /// Number of rows that were written during the span; `None` in older records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rows: Option<u64>,
     pub seconds: f64,
     pub cores: u64,
     /// Processor time of the harness and its runners, in seconds.

@@ -24,7 +24,12 @@ pub fn sound(folder: &Path) -> Result<(), Damaged> {
         for path in entries(&folder.join(name)) {
             if path.is_symlink() && !path.canonicalize().is_ok_and(|to| to.starts_with(&root)) {
                 return Err(Damaged::new(&path, "it is a link that leads out of the folder"));
-            } else if is_provenance(&path) {
+            }
+            let of_record = is_provenance(&path) || path.ends_with(ledger::FILE);
+            if of_record || name == EXPERIMENTS {
+                regular(&path)?;
+            }
+            if is_provenance(&path) {
                 whole(&path).map_err(|what| Damaged::new(&path, what))?;
             } else if path.ends_with(ledger::FILE) {
                 ledger::sound(&path)?;
@@ -34,6 +39,12 @@ pub fn sound(folder: &Path) -> Result<(), Damaged> {
         }
     }
     copies::sound(folder)
+}
+
+/// Fails if the path exists but is not a file, because reading a pipe or device may never end.
+pub fn regular(path: &Path) -> Result<(), Damaged> {
+    let other = std::fs::metadata(path).is_ok_and(|it| !it.is_file());
+    if other { Err(Damaged::new(path, "it is not a file")) } else { Ok(()) }
 }
 
 fn entries(folder: &Path) -> Vec<PathBuf> {

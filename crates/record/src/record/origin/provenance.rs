@@ -120,7 +120,17 @@ pub fn all(folder: &Path) -> Vec<Value> {
 
 /// The current time (UTC) for a folder name, such as 2004-03-01T12-30-59.
 pub fn date() -> String {
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    date_after(0)
+}
+
+/// Like [`date`], this many seconds from now.
+pub fn date_after(seconds: u64) -> String {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    dated(now + seconds)
+}
+
+/// Like [`date`], of a time in seconds since 1970.
+pub fn dated(seconds: u64) -> String {
     let (year, month, day) = civil(seconds / 86_400);
     let time = seconds % 86_400;
     format!(

@@ -31,6 +31,7 @@ use contactbench_record::cells::cells;
 use contactbench_record::experiment::{Experiment, FEWEST_BLOCKS};
 use contactbench_record::findings::winners::winners;
 use contactbench_record::record::folder::done::{Index, TooSlow};
+use contactbench_record::record::folder::ledger::Span;
 use contactbench_record::record::id::CellId;
 use contactbench_record::record::row::{Outcome, Pass, Row, Writer};
 use contactbench_scenes::generate::hard;
@@ -184,8 +185,9 @@ impl Stage<'_, '_> {
         let result = self.samples(running, blocks, bench);
         self.log.span = None;
         let span = watch.and_then(|watch| watch.end(describe(self.experiment, self.spec)));
-        if let Some(span) = span.filter(|_| self.log.record.rows() > rows) {
-            let noted = self.log.origins.span(span);
+        let rows = self.log.record.rows() - rows;
+        if let Some(span) = span.filter(|_| rows > 0) {
+            let noted = self.log.origins.span(Span { rows: Some(rows), ..span });
             return result.and(noted);
         }
         result
@@ -236,7 +238,8 @@ impl Stage<'_, '_> {
         let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
         // A time budget may have ended the blocks early. The arithmetic of a runner is unknown
         // before it is started, so its rows cannot be found.
-        let enough = self.experiment.enough_blocks(self.job.quick);
+        // A line that was deleted is measured again.
+        let enough = self.experiment.enough_blocks(self.job.quick).max(self.index.blocks(blank));
         let ceiling =
             |block| subject.copy.is_none() || self.no_ceiling(blank) || has(Pass::Ceiling, block);
         let over = self

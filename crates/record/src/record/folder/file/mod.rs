@@ -8,7 +8,8 @@ use flate2::read::MultiGzDecoder;
 use serde::{Deserialize, Serialize};
 
 use crate::record::faults::{self, Damaged};
-use crate::record::folder::seal;
+use crate::record::folder::ledger::Ledger;
+use crate::record::folder::{regular, seal};
 use crate::record::row::Row;
 
 pub const FILE: &str = "samples.jsonl";
@@ -135,6 +136,7 @@ fn text(path: &Path) -> anyhow::Result<(PathBuf, Box<dyn BufRead>)> {
     let packed = packed(&plain);
     let open = |path: &Path| {
         let cannot = |e| anyhow::anyhow!("cannot read the record {}: {e}", path.display());
+        regular(path)?;
         File::open(path).map_err(cannot)
     };
     if !packed.exists() {
@@ -185,7 +187,8 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
             lines.push(number);
         }
     }
-    match faults::fault(&record.rows) {
+    let ledger = Ledger::read(path.parent().unwrap_or(Path::new(".")));
+    match faults::fault(&record.rows, &ledger) {
         Some((k, what)) => Err(Damaged::at_line(&path, lines[k], &what).into()),
         None => Ok(record),
     }

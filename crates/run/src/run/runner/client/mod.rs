@@ -55,6 +55,7 @@ pub struct Client {
     memory_limit: u64,
     samples: u32,
     frames: usize,
+    particles: u64,
     /// The loaded trajectory, if the runner accepts only trajectories of one frame.
     by_frame: Option<Trajectory>,
     pub hello: Hello,
@@ -107,6 +108,7 @@ impl Client {
             memory_limit: start.memory_limit,
             samples: 0,
             frames: 1,
+            particles: 0,
             by_frame: None,
             hello: Hello::default(),
         })
@@ -201,7 +203,10 @@ impl Client {
     pub fn exchange(&mut self, request: &Request) -> Result<Reply, Failure> {
         let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
         match request {
-            Request::Load(trajectory) => (self.samples, self.frames) = (0, trajectory.frames.len()),
+            Request::Load(trajectory) => {
+                (self.samples, self.frames) = (0, trajectory.frames.len());
+                self.particles = trajectory.n;
+            }
             Request::Sample { .. } => self.samples += 1,
             _ => {}
         }
@@ -221,7 +226,8 @@ impl Client {
         let reply = self.receive(self.time_limit)?;
         let waited_ns = started.elapsed().as_nanos() as u64;
         let memory_limit = Some(self.memory_limit).filter(|_| cfg!(target_os = "linux"));
-        let asked = Asked { min_ns, frames: self.frames, waited_ns, memory_limit };
+        let (frames, particles) = (self.frames, self.particles);
+        let asked = Asked { min_ns, frames, particles, waited_ns, memory_limit };
         possible::check(&reply, &asked).map_err(broken)?;
         Ok(reply)
     }
