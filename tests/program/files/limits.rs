@@ -36,3 +36,20 @@ fn no_part_of_a_file_is_left_under_its_name() {
     assert!(std::fs::symlink_metadata(at.path("link.csv")).unwrap().is_symlink());
     assert_eq!((mode("before.csv"), mode("new.csv")), (0o640, mode("two.csv")));
 }
+
+/// No variable starts more threads than an option may, and no long text is printed whole.
+#[cfg(unix)]
+#[test]
+fn threads_and_messages_are_bounded() {
+    let at = Place::new();
+    let list = |threads: u64| {
+        at.shell(&format!("RAYON_NUM_THREADS={threads} exec {PROGRAM} list arithmetics"))
+    };
+    assert_eq!(list(1024).code, Some(0));
+    let refused = list(1025);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("RAYON_NUM_THREADS must be at most 1024"));
+    at.file("t.toml", format!("blocks = \"{}\"\n", "(".repeat(100_000)));
+    let long = at.ends(2, "run t.toml --out never", &["t.toml", "((( ... ((("]);
+    assert!(long.stderr.len() < 5000, "{} bytes", long.stderr.len());
+}
