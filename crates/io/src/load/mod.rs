@@ -59,6 +59,7 @@ fn opened<T>(
     body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let name = path.display().to_string();
+    ensure!(!path.is_dir(), "{name} is a folder; give a file, or a pattern of files in quotes");
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
     let packed = path.file_stem().filter(|_| ending(path) == "gz").map(Path::new);
     frames_from(file, &name, &ending(packed.unwrap_or(path)), options, body)
@@ -89,7 +90,7 @@ pub fn frames_from<T>(
 ) -> anyhow::Result<T> {
     options.check()?;
     unpacked(reader, name, |input, unpacking, head, gzip| {
-        ensure!(!head.is_empty(), "{name} is empty");
+        ensure!(!head.is_empty(), "{name} is empty; give another file");
         let twice = gzip && head.starts_with(gzip::MAGIC);
         ensure!(!twice, "{name} is compressed twice; unpack it once");
         let source = Source { input, name, unpacking };
