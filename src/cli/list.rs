@@ -103,7 +103,7 @@ fn lines(item: &Value, thing: &str, known: &mut BTreeMap<String, String>) -> Vec
     let fields = item.as_object().into_iter().flatten();
     for (key, value) in fields.filter(|(key, _)| !SENTENCES.contains(&key.as_str())) {
         match (key.as_str(), value) {
-            ("name", _) => {}
+            ("name", _) | (_, Value::Bool(false)) => {}
             ("parameters", Value::Array(all)) => {
                 for it in all {
                     match known.entry(parameter(it)) {
