@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::cli::shared::terminal::say;
 use contactbench_run::run::stage::{Progress, Winner};
-use contactbench_terms::number::number;
+use contactbench_terms::number::short;
 use contactbench_terms::text::line;
 
 /// Least time between two numbers of frames.
@@ -89,7 +89,7 @@ impl Terminal {
 
 /// Formats a line of the table of scenes: 80 columns, unless a name is long.
 fn columns([scene, first, time, second, ratio, contacts, right]: [&str; 7]) -> String {
-    format!("{scene:<27} {first:<12} {time:>5} {second:<12} {ratio:>5} {contacts:>8} {right:>5}")
+    format!("{scene:<26} {first:<12} {time:>6} {second:<12} {ratio:>5} {contacts:>8} {right:>5}")
 }
 
 impl Progress for Terminal {
@@ -116,15 +116,15 @@ impl Progress for Terminal {
 
     fn found(&mut self, found: &Winner) {
         if !std::mem::replace(&mut self.headed, true) {
-            let heads = ["scene", "fastest", "ns/N", "second", "times", "contacts", "right"];
+            let heads = ["scene", "fastest", "ns / N", "runner-up", "ratio", "contacts", "right"];
             self.note(&columns(heads));
         }
         self.note(&columns([
             &found.scene,
             &found.fastest,
-            &number(found.per_particle),
+            &short(found.per_particle),
             found.second.as_deref().unwrap_or("–"),
-            &found.ratio.map_or("–".into(), number),
+            &found.ratio.map_or("–".into(), short),
             &found.contacts.map_or("–".into(), |count| count.to_string()),
             &found.right.to_string(),
         ]));
