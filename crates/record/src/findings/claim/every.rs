@@ -62,18 +62,13 @@ pub fn every<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
     for (scenes, chosen) in families.values().zip(&chosen) {
         let own: Vec<&Cell> = scenes.values().flatten().copied().collect();
         let varied = swept(&own);
-        let places: Vec<&Place> = scenes.keys().collect();
-        for (k, cells) in scenes.values().enumerate() {
-            // Scenes that differ only in their seeds stay together.
-            let same = |other: usize| {
-                let other = places.get(other);
-                other.is_some_and(|it| it.n == places[k].n && it.is_same_setting(places[k]))
-            };
+        let seeds: BTreeSet<u64> = scenes.keys().map(|place| place.seed).collect();
+        for (k, (place, cells)) in scenes.iter().enumerate() {
             let mut title = title(&cells[0].id, &varied);
-            if same(k + 1) || k > 0 && same(k - 1) {
-                title += &format!(", seed = {}", places[k].seed);
+            if seeds.len() > 1 {
+                title += &format!(", seed = {}", place.seed);
             }
-            let (n, shown) = (places[k].n, chosen.contains(&k));
+            let (n, shown) = (place.n, chosen.contains(&k));
             out.push(Scene { title, n, cells: cells.clone(), shown });
         }
     }
@@ -162,6 +157,15 @@ mod tests {
         assert_eq!(shown(2, 2, 1), (4, vec![title(1, 1), title(2, 1), title(1, 2), title(2, 2)]));
         let (all, titles) = shown(1, 1, 3);
         assert!(all == 3 && titles[2].ends_with(", seed = 3"), "{titles:?}");
+        // One number of particles has one seed, another has two: all three titles name the seed.
+        let mut lab = Lab::new("e", "packed");
+        for (n, seed) in [(1, 1), (2, 1), (2, 2)] {
+            lab.n(n).seed(seed).time(&[1]);
+        }
+        let named = lab.find(|cells| {
+            every(cells).into_iter().filter(|scene| scene.title.contains("seed = ")).count()
+        });
+        assert_eq!(named, 3);
         for (ratios, sizes, expected) in
             [(8, 3, (24, 24)), (13, 3, (39, 16)), (30, 2, (60, 30)), (40, 2, (80, 2))]
         {
