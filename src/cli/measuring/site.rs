@@ -20,7 +20,7 @@ use contactbench_terms::number::plural;
 pub struct Site {
     /// Folder that contains records, at any depth
     folder: PathBuf,
-    /// Folder to make: missing, empty, or a site to replace
+    /// Folder to write: absent, empty, or an earlier site, which is replaced
     #[arg(short, long, value_name = "FOLDER")]
     out: PathBuf,
     /// Address of FOLDER on the web; the pages link to its raw data

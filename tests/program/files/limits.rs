@@ -37,7 +37,7 @@ fn no_part_of_a_file_is_left_under_its_name() {
     assert_eq!((mode("before.csv"), mode("new.csv")), (0o640, mode("two.csv")));
 }
 
-/// No variable starts more threads than an option may, and no long text is printed whole.
+/// `RAYON_NUM_THREADS` is bounded as `--threads` is, and long messages are cut in the middle.
 #[cfg(unix)]
 #[test]
 fn threads_and_messages_are_bounded() {

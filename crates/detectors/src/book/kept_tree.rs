@@ -7,12 +7,12 @@
 //!    from the list of its old leaf and pushed on that of its new leaf.
 //! 3. The search walks over the tree, as in [`binary_tree`](super::binary_tree).
 //!
-//! * Cost: a detection visits b nodes twice for each particle that left its cell, and none for the
-//!   others. The search costs as much as in a new tree.
+//! * Cost: moving a particle that left its cell visits 2b nodes, where b is the number of levels.
+//!   The search visits at least as many nodes as in a new tree; emptied leaves add visits.
 //! * Memory: `4N(D + 1) + 8·nodes` bytes. Leaves that become empty stay, so the tree may grow.
 //! * Builds the tree again if the number of particles or the margin of the contact test changes, if
-//!   the reach grows or halves, if a particle leaves the domain, which is half a cell larger on each
-//!   side than the scene, or if the tree has more than twice the nodes of a new one.
+//!   the reach grows or halves, if a particle leaves the domain, which is at most half a cell larger
+//!   on each side than the scene, or if the tree has more than twice the nodes of a new one.
 //! * Deviations from the book: those of `binary-tree`; the book does not print when it builds the
 //!   tree again.
 

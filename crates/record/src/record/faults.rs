@@ -80,8 +80,8 @@ fn contradiction(rows: &[Row]) -> Option<(usize, String)> {
     None
 }
 
-/// Returns a sample that began before another one on the same processor had ended. A copy of a
-/// sample, as another block, is found by this.
+/// Returns a sample that began before another one on the same processor had ended, such as a copy
+/// of a sample under another block number.
 pub fn overlap(rows: &[Row]) -> Option<(usize, String)> {
     let mut samples = Vec::new();
     for (k, row) in rows.iter().enumerate() {
@@ -130,7 +130,7 @@ pub fn deleted(rows: &[Row], ledger: &Ledger) -> Option<String> {
     ))
 }
 
-/// The day of the first program that wrote records.
+/// The day of the first program that wrote records; an earlier `date_utc` is refused.
 const FIRST_DAY: &str = "2026-11-21";
 
 /// Returns a sentence if dates or revisions of the provenances contradict the rows or the clock.
@@ -155,7 +155,7 @@ pub fn origin(rows: &[Row], ledger: &Ledger, provenances: &[&Value]) -> Option<S
     if let (Some(date), Some(first)) = (dates.iter().min(), began().min())
         && **date > *first
     {
-        return Some(format!("its date_utc is {date}, but its first sample began at {first}"));
+        return Some(format!("its date_utc {date} is later than the start of its first sample, {first}"));
     }
     let said: BTreeSet<&str> =
         texts("revision").into_iter().flat_map(|it| it.split(", ")).collect();

@@ -78,7 +78,7 @@ impl Sampled {
     }
 }
 
-/// Checks counted operations of a detector that found these contacts among `n` particles in all
+/// Checks the operation counts of a detector that found `contacts` among `n` particles, over all
 /// frames. A detector that counts contact tests needs one for each contact.
 pub fn counts(
     counts: &BTreeMap<String, u64>,

@@ -7,7 +7,7 @@ use contactbench_terms::number::{number, plural, short};
 
 pub const ALL: &str = "Scene by scene";
 /// The answer of a record whose times were disturbed.
-pub const NOT_JUDGED: &str = "Times are not judged, because they were disturbed.";
+pub const NOT_JUDGED: &str = "Times are not judged, because other load may have changed them.";
 
 pub fn blocks(winners: &Winners, cold: bool) -> Vec<Block> {
     let sentence = (winners.scenes > 0).then(|| Block::Paragraph(sentence(winners)));

@@ -170,7 +170,7 @@ impl<'a> Record<'a> {
     fn html(&self) -> String {
         let facts = &self.facts;
         let mut blocks = facts.head();
-        let older = "A later record is of another version of this program.";
+        let older = "This record is old: a later record was made by another version of this program.";
         blocks.extend(self.older.then(|| Block::paragraph(older)));
         blocks.push(Block::paragraph(format!("{}, {}", self.day, self.cpu)));
         for chapter in &facts.chapters {
@@ -209,9 +209,8 @@ impl Site<'_> {
     fn pages(&self) -> Vec<(PathBuf, String)> {
         let names: BTreeSet<&str> = self.lines.iter().map(|line| line.detector()).collect();
         let note = "<p class=\"note\">One row for each detector, scene and machine that was timed. \
-                    (old): a later record is of another program. \
-                    (disturbed): other programs slowed the machine, it had two modes, or the \
-                    record is not whole.</p>\n";
+                    (old): a later record is from another version of the program. \
+                    (disturbed): the record has a warning.</p>\n";
         let all: Vec<&Line<'_>> = self.lines.iter().collect();
         let field = note.to_string() + &field::table(&all, "").html("results");
         let mut pages = vec![

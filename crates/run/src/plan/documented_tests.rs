@@ -112,7 +112,7 @@ fn the_examples_can_be_read_and_planned() {
     assert_eq!((complete.planned.scenes.len(), complete.planned.quick.len()), (3, 3));
 }
 
-/// The example without the lines of this key in the table with this header, and with `line` there.
+/// Returns the example with the lines of `key` removed from the table `header`, and `line` there.
 fn edited(example: &str, header: &str, key: &str, line: &str) -> String {
     let at = example.find(header).unwrap_or_else(|| panic!("{header}\n{example}")) + header.len();
     let rest = &example[at..];

@@ -62,7 +62,7 @@ pub struct Race {
     /// Ratio of the twin's time to its original's, which shows the noise of equal code. `None` with
     /// fewer than two blocks.
     pub twin: Option<Interval>,
-    /// Share of a core that other processes used, if it may have changed the times.
+    /// Share of a core that other processes and the host took, if it may have changed the times.
     pub disturbed: Option<f64>,
 }
 

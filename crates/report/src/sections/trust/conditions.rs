@@ -13,8 +13,8 @@ pub fn sentence(conditions: &Conditions) -> Option<String> {
 pub fn modes(modes: Modes) -> Option<String> {
     modes.are_many().then(|| {
         format!(
-            "do not quote single times of this record: in {} of {} the machine had two modes, as \
-             medians contradict the ratios within blocks, or those of twins differ by 15%",
+            "do not quote single times of this record: in {} of {} medians contradict the ratios \
+             within blocks, or twins differ by 15% or more",
             modes.scenes,
             plural(modes.of, "scene")
         )

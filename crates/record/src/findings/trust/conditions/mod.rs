@@ -141,7 +141,8 @@ impl Conditions {
     }
 }
 
-/// Returns the share of a core that others used during a span, if it may have changed times.
+/// Returns the share of a core that other processes and the host took during a span, if it may have
+/// changed times.
 pub fn disturbance(span: &Span) -> Option<f64> {
     let share = (span.others_s + span.stolen_s) / span.seconds;
     let limit = OTHERS.max(OTHERS_OF_ALL * span.cores as f64);
