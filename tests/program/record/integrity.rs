@@ -182,9 +182,10 @@ fn provenance_fits_the_rows() {
         refused(&at, &["a/provenance.json: ", words]);
     }
     at.file("a/provenance.json", &fields);
-    for (ms, words) in
-        [(1_000_000_000_000u64, "first sample began at 2001"), (5_000_000_000_000, "future")]
-    {
+    for (ms, words) in [
+        (1_000_000_000_000u64, "later than the start of its first sample, 2001"),
+        (5_000_000_000_000, "future"),
+    ] {
         let rows = text.lines().map(|line| {
             super::edited(line, |row| {
                 if let Some(began) = row["began_ms"].as_u64() {

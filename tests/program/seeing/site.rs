@@ -48,9 +48,16 @@ fn pages_link_only_to_files_of_the_site() {
     assert!(links > 20, "{links}");
     // A site is replaced, any other folder is not. Equal records count once.
     at.file("site/records/stale.html", "");
+    at.file("site/records/kept.csv", "");
+    at.file("kept.html", "");
+    let listed = at.read("site/made-by-contactbench.txt");
+    let more = listed.clone() + "records/stale.html\nrecords/kept.csv\n../kept.html\n";
+    at.file("site/made-by-contactbench.txt", more);
     at.shell("mkdir -p twice; cp -r samples.jsonl experiments provenance.json twice");
     at.good("site . -o site");
     assert!(!at.path("site/records/stale.html").exists());
+    assert!(at.path("site/records/kept.csv").exists() && at.path("kept.html").exists());
+    assert_eq!(at.read("site/made-by-contactbench.txt"), listed);
     at.shell("mkdir -p two/a two/b; for it in a b; do cp -r twice/* two/$it; done");
     let copy = at.good("site two -o site --address https://example.org/all/");
     assert!(copy.stderr.contains("two/b is a copy of two/a and is left out"), "{}", copy.stderr);

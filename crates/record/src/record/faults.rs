@@ -80,15 +80,16 @@ fn contradiction(rows: &[Row]) -> Option<(usize, String)> {
     None
 }
 
-/// Returns a sample that began before another one on the same processor had ended, such as a copy
-/// of a sample under another block number.
+/// Returns a sample that began before another one of the same span and processor had ended, such as
+/// a copy of a sample under another block number.
 pub fn overlap(rows: &[Row]) -> Option<(usize, String)> {
     let mut samples = Vec::new();
     for (k, row) in rows.iter().enumerate() {
         let began = row.processor.zip(row.began_ms).zip(row.elapsed_ns);
         let Some(((processor, began), elapsed_ns)) = began else { continue };
         let lasted_ns = elapsed_ns.saturating_add(row.first_ns.unwrap_or(0));
-        let place = (row.id.machine.as_deref(), processor);
+        // Two runs at once may share a processor.
+        let place = (row.span.as_deref(), row.id.machine.as_deref(), processor);
         samples.push((place, began, lasted_ns / 1_000_000, k));
     }
     samples.sort_unstable();
@@ -101,7 +102,7 @@ pub fn overlap(rows: &[Row]) -> Option<(usize, String)> {
     let (first, second) = (&rows[k.min(other)], k.max(other));
     let words = format!(
         "its sample overlaps in time with that of {} in block {}, begun at {began} ms on the same \
-         processor: one is a copy, or two runs shared the processor",
+         processor: one is a copy",
         first.id.subject(),
         first.block
     );
@@ -115,8 +116,12 @@ pub fn shortened(rows: &[Row], ledger: &Ledger) -> Vec<Span> {
         *left.entry(id).or_default() += 1;
     });
     let left = |span: &Span| left.get(&*span.id).copied().unwrap_or(0);
-    let spans = ledger.spans.values().filter(|span| span.rows.is_some_and(|was| left(span) < was));
-    spans.map(|span| Span { rows: Some(left(span)), ..span.clone() }).collect()
+    let shortened = |span: &Span| {
+        let (was, left) = (span.rows?, left(span));
+        let deleted = Some(span.deleted.unwrap_or(0) + was.checked_sub(left)?);
+        (left < was).then(|| Span { rows: Some(left), deleted, ..span.clone() })
+    };
+    ledger.spans.values().filter_map(shortened).collect()
 }
 
 /// Returns a sentence if rows of a span are missing.
@@ -132,6 +137,13 @@ pub fn deleted(rows: &[Row], ledger: &Ledger) -> Option<String> {
 
 /// The day of the first program that wrote records; an earlier `date_utc` is refused.
 const FIRST_DAY: &str = "2026-11-21";
+
+/// Returns a sentence if the clock of this machine would make such a record.
+pub fn clock() -> Option<String> {
+    let date = provenance::date_after(0);
+    (*date < *FIRST_DAY)
+        .then(|| format!("the clock of this machine says {date}; set it before the run"))
+}
 
 /// Returns a sentence if dates or revisions of the provenances contradict the rows or the clock.
 pub fn origin(rows: &[Row], ledger: &Ledger, provenances: &[&Value]) -> Option<String> {
@@ -155,7 +167,9 @@ pub fn origin(rows: &[Row], ledger: &Ledger, provenances: &[&Value]) -> Option<S
     if let (Some(date), Some(first)) = (dates.iter().min(), began().min())
         && **date > *first
     {
-        return Some(format!("its date_utc {date} is later than the start of its first sample, {first}"));
+        return Some(format!(
+            "its date_utc {date} is later than the start of its first sample, {first}"
+        ));
     }
     let said: BTreeSet<&str> =
         texts("revision").into_iter().flat_map(|it| it.split(", ")).collect();

@@ -6,7 +6,7 @@ mod field;
 
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use anyhow::Context;
 
@@ -96,14 +96,19 @@ pub fn write(
     about: &dyn Fn(&str) -> Option<About>,
 ) -> anyhow::Result<(Vec<PathBuf>, Vec<String>)> {
     let all: Vec<Vec<Cell>> = given.iter().map(|it| cells(&it.rows)).collect();
-    for folder in ["records", "detectors", "figures"] {
-        // A folder that cannot be removed is written over.
-        let _ = std::fs::remove_dir_all(out.join(folder));
+    let earlier = std::fs::read_to_string(out.join(FILE)).unwrap_or_default();
+    for page in earlier.lines().filter(|page| page.ends_with(".html")) {
+        let inside = Path::new(page).components().all(|it| matches!(it, Component::Normal(_)));
+        if inside {
+            // A page that cannot be removed is written over.
+            let _ = std::fs::remove_file(out.join(page));
+        }
     }
+    let figures = out.join(".figures");
     let mut records = Vec::new();
     for (given, cells) in given.iter().zip(&all) {
         let mut record = Record::new(given, cells);
-        record.facts.draw(&out.join("figures").join(stem(&given.name)), 1);
+        record.facts.draw(&figures.join(stem(&given.name)), 1);
         records.push(record);
     }
     // A contributed record does not make others old, nor does a doubtful one beside sound ones.
@@ -125,7 +130,7 @@ pub fn write(
         write().with_context(|| format!("cannot write the page {}", path.display()))?;
     }
     // The pages contain the figures.
-    let _ = std::fs::remove_dir_all(out.join("figures"));
+    let _ = std::fs::remove_dir_all(&figures);
     let notes = records.iter().flat_map(|record| record.facts.warnings.iter().cloned());
     Ok((pages.into_iter().map(|page| page.0).collect(), notes.collect()))
 }
@@ -170,7 +175,8 @@ impl<'a> Record<'a> {
     fn html(&self) -> String {
         let facts = &self.facts;
         let mut blocks = facts.head();
-        let older = "This record is old: a later record was made by another version of this program.";
+        let older =
+            "This record is old: a later record was made by another version of this program.";
         blocks.extend(self.older.then(|| Block::paragraph(older)));
         blocks.push(Block::paragraph(format!("{}, {}", self.day, self.cpu)));
         for chapter in &facts.chapters {
@@ -214,7 +220,6 @@ impl Site<'_> {
         let all: Vec<&Line<'_>> = self.lines.iter().collect();
         let field = note.to_string() + &field::table(&all, "").html("results");
         let mut pages = vec![
-            (FILE.into(), "`contactbench site` may replace this folder.\n".into()),
             ("style.css".into(), page::STYLE.to_string() + STYLE),
             ("index.html".into(), html("", "Which particles touch?", &self.front(&names))),
             ("field.html".into(), html("", "All measurements", &field)),
@@ -227,6 +232,9 @@ impl Site<'_> {
             let path = format!("detectors/{}.html", stem(name));
             (path.into(), html("../", name, &self.detector(name)))
         }));
+        let written = pages.iter().map(|(path, _): &(PathBuf, _)| format!("{}\n", path.display()));
+        let written: String = written.collect();
+        pages.push((FILE.into(), format!("`contactbench site` replaces these files:\n{written}")));
         pages
     }
 

@@ -46,7 +46,12 @@ pub fn sentences(verdict: &Verdict, race: &Race, n: usize) -> Vec<String> {
         ),
         _ => "its twin has no times, so nothing is decided".into(),
     });
-    let others = |share| format!("other processes and the host took {} of a core, which may have changed the times", percent(share));
+    let others = |share| {
+        format!(
+            "other processes and the host took {} of a core, which may have changed the times",
+            percent(share)
+        )
+    };
     lines.extend(race.disturbed.map(others));
     lines
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
 use crate::plan::{builtin, detectors};
@@ -95,6 +95,9 @@ pub fn run(
         std::env::current_exe().context("cannot find this program to start it as runner")?;
     let job = Job { quick: asked.quick, program, against, machine: label.clone() };
     let experiments = asked.experiments.iter().map(|(experiment, _)| experiment);
+    if let Some(fault) = faults::clock() {
+        bail!(fault);
+    }
     let scenes = plan::plan(experiments, asked.quick, asked.shard)?;
     ensure!(
         !scenes.is_empty() || asked.shard.is_some(),

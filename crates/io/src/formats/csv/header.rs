@@ -46,8 +46,9 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<He
     } else {
         // A comment that names columns is the header of a table without rows.
         let columns = comments.columns.take();
-        let columns = columns
-            .with_context(|| format!("{} has neither a header nor rows; give another file", lines.source.name))?;
+        let columns = columns.with_context(|| {
+            format!("{} has neither a header nor rows; give another file", lines.source.name)
+        })?;
         Header { columns, ..Header::default() }
     };
     table.format = if comments.format || comments.edges.is_some() { "YADE text" } else { "CSV" };

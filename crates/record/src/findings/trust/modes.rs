@@ -7,8 +7,8 @@ use crate::findings::trust::noise::SURE;
 use crate::findings::winners::{by_ratio, time};
 use crate::stats::interval::Interval;
 
-/// Ratio of the median times of twins that shows two modes.
-const TWIN: f64 = 1.15;
+/// Ratio of medians that shows two modes, if it should be that within blocks, or 1 for twins.
+const APART: f64 = 1.15;
 /// A record is doubtful if more than one in this many scenes shows two modes.
 const ONE_IN: usize = 10;
 
@@ -20,6 +20,10 @@ pub struct Modes {
     pub of: usize,
 }
 
+fn is_apart(ratio: f64) -> bool {
+    ratio.ln().abs() >= APART.ln()
+}
+
 impl Modes {
     pub fn new(cells: &[&Cell]) -> Modes {
         let timed = |cells: &[&Cell]| -> Vec<bool> {
@@ -28,7 +32,7 @@ impl Modes {
             let twins = timed.iter().filter_map(|twin| {
                 let id = CellId { detector: twin.role.twin_of()?.into(), ..twin.id.clone() };
                 let original = timed.iter().find(|cell| cell.id == id)?;
-                Some((time(twin) / time(original)).ln().abs() >= TWIN.ln())
+                Some(is_apart(time(twin) / time(original)))
             });
             let twins: Vec<bool> = twins.collect();
             let others = timed.iter().filter(|cell| !cell.role.is_control()).copied();
@@ -37,8 +41,9 @@ impl Modes {
                 let ratio = |other: &&Cell| other.ratio(first).map(|it| (it, time(other)));
                 let ratios = others.iter().filter_map(ratio);
                 let sure = ratios.filter(|(ratio, _)| ratio.coverage >= SURE);
-                // Intervals are rounded.
-                let beside = |it: &Interval, of: f64| of < 0.999 * it.low || of > 1.001 * it.high;
+                let beside = |it: &Interval, of: f64| {
+                    (of < it.low || of > it.high) && is_apart(of / it.median)
+                };
                 sure.map(move |(ratio, other)| beside(&ratio, other / time(first)))
             });
             apart.chain(twins).collect()

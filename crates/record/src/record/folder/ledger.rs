@@ -52,6 +52,9 @@ pub struct Span {
     /// Number of rows that were written during the span; `None` in older records.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rows: Option<u64>,
+    /// Number of rows that had been deleted when a run was resumed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deleted: Option<u64>,
     pub seconds: f64,
     pub cores: u64,
     /// Processor time of the harness and its runners, in seconds.

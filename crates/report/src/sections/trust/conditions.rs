@@ -13,8 +13,8 @@ pub fn sentence(conditions: &Conditions) -> Option<String> {
 pub fn modes(modes: Modes) -> Option<String> {
     modes.are_many().then(|| {
         format!(
-            "do not quote single times of this record: in {} of {} medians contradict the ratios \
-             within blocks, or twins differ by 15% or more",
+            "do not quote single times of this record: in {} of {} the machine changed its speed, \
+             as medians differ from paired ratios, or twins from each other, by 15% or more",
             modes.scenes,
             plural(modes.of, "scene")
         )

@@ -5,6 +5,7 @@
 //! round. So changes of the machine's speed affect them alike. The ratio of a block is the median
 //! over its rounds. Several blocks average over the positions of processes in memory.
 
+use std::sync::OnceLock;
 use std::time::{Duration, Instant, SystemTime};
 
 use crate::run::machine::pulse::pulse;
@@ -173,8 +174,11 @@ fn take_turns(
 }
 
 fn since_1970() -> Option<u64> {
-    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).ok()?;
-    u64::try_from(since.as_millis()).ok()
+    // The system's clock may be set back during a run.
+    static START: OnceLock<Option<(Instant, Duration)>> = OnceLock::new();
+    let now = || SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).ok();
+    let (start, since) = (*START.get_or_init(|| Some((Instant::now(), now()?))))?;
+    u64::try_from((since + start.elapsed()).as_millis()).ok()
 }
 
 fn others(turns: &[Sample]) -> usize {

@@ -60,13 +60,19 @@ impl Conditions {
         let states = States::new(rows);
         let looked: Vec<bool> = timed.iter().filter_map(|row| states.is_slow(row)).collect();
         conditions.slow = (looked.iter().filter(|&&slow| slow).count(), looked.len());
-        conditions.watched(&timed, ledger);
+        let unwatched = conditions.watched(&timed, ledger);
         // Load does not affect a record of counts alone.
         let counts_alone = timed.is_empty() && !rows.is_empty();
         if conditions.load == Load::Unknown && !counts_alone {
             conditions.before(&provenances);
         }
         conditions.disturbed = !conditions.doubts.is_empty();
+        conditions.doubts.extend(unwatched);
+        let deleted: u64 = ledger.spans.values().filter_map(|span| span.deleted).sum();
+        if deleted > 0 {
+            let rows = plural(deleted as usize, "row");
+            conditions.doubts.push(format!("{rows} had been deleted when the run was resumed"));
+        }
         // The provenance of a merged record does not state `dirty`, but those of its parts do.
         let dirty = provenances.iter().any(|fields| fields.get("dirty") == Some(&true.into()));
         if dirty || said_by(&timed, ledger, "sources").contains("changed") {
@@ -83,7 +89,8 @@ impl Conditions {
         conditions
     }
 
-    fn watched(&mut self, timed: &[&Row], ledger: &Ledger) {
+    /// Adds doubts about spans, and returns one about rows without a span.
+    fn watched(&mut self, timed: &[&Row], ledger: &Ledger) -> Option<String> {
         let mut machines: BTreeMap<Option<&str>, BTreeMap<&str, &Span>> = BTreeMap::new();
         let mut unwatched = 0;
         for row in timed {
@@ -120,13 +127,11 @@ impl Conditions {
             }
         }
         // Older records have no spans. If a row's span is missing, the run was killed.
-        if unwatched > 0 && (!machines.is_empty() || timed.iter().any(|row| row.span.is_some())) {
-            self.doubts.push(format!(
-                "what else the machine did is not known of {} of {} timed",
-                plural(unwatched, "row"),
-                timed.len()
-            ));
-        }
+        let killed = !machines.is_empty() || timed.iter().any(|row| row.span.is_some());
+        (unwatched > 0 && killed).then(|| {
+            let rows = plural(unwatched, "row");
+            format!("what else the machine did is not known of {rows} of {} timed", timed.len())
+        })
     }
 
     fn before(&mut self, provenances: &[&Value]) {
