@@ -40,7 +40,7 @@ pub fn csv_cell(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Cuts the middle out of a text of over [`LONGEST`] characters.
+/// Cuts the middle out of a text of over 4,000 characters.
 pub fn shortened(text: &str) -> Cow<'_, str> {
     let Some((cut, _)) = text.char_indices().nth(LONGEST) else { return Cow::Borrowed(text) };
     let (head, tail) = (text.floor_char_boundary(cut / 2), text.len() - cut / 2);
