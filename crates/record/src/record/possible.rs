@@ -24,7 +24,7 @@ const LONGEST_NS: u64 = 1_000_000_000_000_000;
 const OPERATIONS: u64 = 1 << 32;
 const PER_PAIR: u64 = 1 << 12;
 
-/// Checks a field of [`BOUNDS`].
+/// Checks that a field with fixed bounds is within them.
 pub fn bounded(name: &str, value: Option<u64>) -> Result<(), String> {
     let bounds = BOUNDS.iter().find(|(known, ..)| *known == name);
     let Some((value, (_, least, most))) = value.zip(bounds) else { return Ok(()) };
