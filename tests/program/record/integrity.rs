@@ -102,6 +102,7 @@ fn a_deleted_sample_is_missed() {
     at.ends(1, "merge a whole --out b", &[&span]);
     at.good("run t.toml --resume --out a");
     assert_eq!(at.read(RECORD).lines().count(), text.lines().count());
+    assert!(at.read("a/report.md").contains("1 row had been deleted when the run was resumed"));
 }
 
 /// A sample that stands twice, as two blocks, is found, also if it is moved by a millisecond.
@@ -142,13 +143,16 @@ fn impossible_numbers_are_refused() {
     let [time, count] =
         ["time", "count"].map(|pass| line(&text, &[&format!("\"pass\":\"{pass}\"")]));
     type Change = fn(&mut Value);
-    let cases: [(usize, Change, &str); 9] = [
+    let cases: [(usize, Change, &str); 12] = [
         (count, |row| row["counts"]["contact_test"] = 1.into(), "contact_test 1, and found"),
         (count, |row| row["counts"]["exact_test"] = (1u64 << 40).into(), "exact_test"),
         (count, |row| row["counts"]["contact_test"] = u64::MAX.into(), "are possible"),
         (time, |row| row["block"] = u32::MAX.into(), "block 4294967295"),
         (time, |row| row["pulse_ns"] = 1.into(), "pulse_ns 1"),
         (time, |row| row["first_ns"] = 1.into(), "first_ns 1"),
+        (time, |row| row["calls"] = Value::Null, "it has time_ns, but not calls"),
+        (time, |row| row["outcome"] = "timeout".into(), "its outcome is timeout"),
+        (count, |row| row["causes"]["search"]["missed"] = 5.into(), "its search is wrong"),
         (time, |row| row["calls"] = 1.into(), "elapsed_ns / calls, rounded"),
         (time, |row| row["first_ns"] = 1_000_000_000_000u64.into(), "are these nanoseconds?"),
         (

@@ -191,12 +191,9 @@ impl BinaryTree {
         let made = self.nodes.len();
         if made == self.nodes.capacity() {
             // The array doubles, or grows to the memory limit.
-            let allowed = (self
-                .options
-                .memory_limit
-                .saturating_sub(self.per_particle * self.particles as u64)
-                / 8)
-            .min(u64::from(EMPTY)) as usize;
+            let left =
+                self.options.memory_limit.saturating_sub(self.per_particle * self.particles as u64);
+            let allowed = (left / 8).min(u64::from(EMPTY)) as usize;
             let grown = (2 * made).min(allowed);
             if grown <= made {
                 let shape = format!("{} particles, more than {made} nodes", self.particles);

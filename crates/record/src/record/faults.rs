@@ -130,7 +130,7 @@ pub fn deleted(rows: &[Row], ledger: &Ledger) -> Option<String> {
     let was = ledger.spans.get(&id)?.rows?;
     Some(format!(
         "the span {id} ({scene}) had {was} rows, and {} are left; contactbench run --resume \
-         measures deleted samples again",
+         measures what the plan lacks",
         left.unwrap_or(0)
     ))
 }
@@ -140,7 +140,7 @@ const FIRST_DAY: &str = "2026-11-21";
 
 /// Returns a sentence if the clock of this machine would make such a record.
 pub fn clock() -> Option<String> {
-    let date = provenance::date_after(0);
+    let date = provenance::date();
     (*date < *FIRST_DAY)
         .then(|| format!("the clock of this machine says {date}; set it before the run"))
 }

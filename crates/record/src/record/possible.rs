@@ -9,7 +9,7 @@ use contactbench_terms::must;
 const BOUNDS: [(&str, u64, u64); 7] = [
     ("block", 0, 10_000_000),
     ("calls", 1, 1 << 40),
-    // A clock takes 10 ns itself, and no sample lasts two weeks.
+    // A clock takes 10 ns itself, and no sample lasts 11 days.
     ("first_ns", 10, LONGEST_NS),
     ("time_ns", 1, LONGEST_NS),
     ("elapsed_ns", 1, LONGEST_NS),

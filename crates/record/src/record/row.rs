@@ -13,6 +13,7 @@ use crate::record::role::Role;
 use crate::stats::interval::Block;
 use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::moved::Moved;
+use contactbench_terms::must;
 use contactbench_terms::scene::Stats;
 
 /// A field that is a column: name, pass (`None` if every pass records it), unit, value.
@@ -168,6 +169,7 @@ impl Row {
         let frames = self.moved.as_ref().map_or(1, |moved| moved.frames);
         possible::counts(&self.counts, self.contacts.unwrap_or(0), self.id.n, frames)?;
         possible::memory(self.peak_bytes.unwrap_or(0), self.live_bytes.unwrap_or(0))?;
+        self.consistent()?;
         let (first_ns, building_ns) = (self.first_ns, self.building_ns);
         match (self.time_ns, self.calls, self.elapsed_ns) {
             // The time of copies is their harmonic mean.
@@ -176,6 +178,19 @@ impl Row {
             }
             _ => possible::bounded("time_ns", self.time_ns),
         }
+    }
+
+    /// Fails if the outcome contradicts the other fields.
+    fn consistent(&self) -> Result<(), String> {
+        let (outcome, timed) = (self.outcome.name(), self.time_ns.is_some());
+        must!(
+            !timed || self.pass != Pass::Time || self.calls.is_some() && self.elapsed_ns.is_some(),
+            "it has time_ns, but not calls and elapsed_ns"
+        );
+        must!(!timed || !self.outcome.is_final(), "it has time_ns, but its outcome is {outcome}");
+        let wrong = self.causes.as_ref().is_some_and(|causes| causes.search != Errors::default());
+        must!(self.outcome != Outcome::Ok || !wrong, "its outcome is ok, but its search is wrong");
+        Ok(())
     }
 
     /// The block and span of the row. Rows of one block are paired only within one span; a resumed

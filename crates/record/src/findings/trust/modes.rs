@@ -79,6 +79,10 @@ mod tests {
         let nbs = [100, 100, 100, 100, 200, 200, 200, 200, 200];
         let sorting = [200, 200, 200, 200, 400, 400, 400, 400, 100];
         assert_eq!(found(&nbs, &sorting, &nbs), 1);
+        // Here the medians have a ratio of 1.85: outside the interval, but not by 15%.
+        let [nbs, sorting] =
+            [nbs, sorting].map(|times| times.map(|t| if t == 200 { 108 } else { t }));
+        assert_eq!(found(&nbs, &sorting.map(|t| if t == 400 { 216 } else { t }), &nbs), 0);
         assert_eq!(found(&[100; 5], &[200; 5], &[114; 5]), 0);
         assert_eq!(found(&[100; 5], &[200; 5], &[85; 5]), 1);
         assert!(!Modes { scenes: 2, of: 20 }.are_many() && Modes { scenes: 3, of: 20 }.are_many());
