@@ -27,6 +27,21 @@ fn shards_merge_to_the_record_of_the_whole() {
     // A missing shard is an error only with --strict.
     at.good("compare a part-1");
     at.ends(1, "compare a part-1 --strict", &[]);
+    // Shards may have run at once on one machine.
+    let begun = |part: &str| at.rows(part).iter().filter_map(|row| row.began_ms).min().unwrap();
+    let between = begun("part-2") - begun("part-1");
+    for (part, later) in [("part-1", between), ("part-2", 0)] {
+        let file = format!("{part}/samples.jsonl");
+        let at_once = |line: &str| {
+            super::edited(line, |row| {
+                if let Some(began) = row["began_ms"].as_u64() {
+                    (row["began_ms"], row["processor"]) = ((began + later).into(), 0.into());
+                }
+            }) + "\n"
+        };
+        at.file(&file, at.read(&file).lines().map(at_once).collect::<String>());
+    }
+    at.good("merge part-1 part-2 --out at-once");
     // A shard without scenes can be merged.
     at.ends(0, "run t.toml --shard 9/9 --out empty", &["9/9"]);
     at.good("merge empty whole --out again");
