@@ -1,6 +1,5 @@
 //! `contactbench site` makes one static site of all records in a folder.
 
-use std::fs::DirEntry;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -37,19 +36,19 @@ pub fn site(options: &Site) -> anyhow::Result<ExitCode> {
         "{} is not empty and not a site; choose another folder with --out",
         out.display()
     );
-    let mut given = Vec::new();
-    find(folder, folder, &mut given)?;
+    let (mut given, mut links) = (Vec::new(), Vec::new());
+    find(folder, folder, &mut given, &mut links)?;
+    links.iter().for_each(|link| say!("{} is a link and is left out", link.display()));
     ensure!(
         !given.is_empty(),
         "found no record in {} or its folders; a record is a folder with the file {}",
         folder.display(),
         row::FILE
     );
-    let copies = copies(&mut given);
-    let (pages, notes) = site::write(out, &given, address.as_deref(), &about)?;
-    for note in copies.into_iter().chain(notes) {
-        say!("{note}");
-    }
+    let mut notes = copies(&mut given);
+    let (pages, left_out) = site::write(out, &given, address.as_deref(), &about)?;
+    notes.extend(left_out);
+    notes.iter().for_each(|note| say!("{note}"));
     let pages = pages.iter().filter(|page| page.extension().is_some_and(|it| it == "html"));
     let (pages, records) = (plural(pages.count(), "page"), plural(given.len(), "record"));
     let index = out.join("index.html");
@@ -78,8 +77,13 @@ fn copies(given: &mut Vec<Given>) -> Vec<String> {
     notes
 }
 
-/// Reads the records in `folder` and below, sorted by path.
-fn find(root: &Path, folder: &Path, found: &mut Vec<Given>) -> anyhow::Result<()> {
+/// Reads the records in `folder` and below, sorted by path, and finds links to folders.
+fn find(
+    root: &Path,
+    folder: &Path,
+    found: &mut Vec<Given>,
+    links: &mut Vec<PathBuf>,
+) -> anyhow::Result<()> {
     if row::exists(&folder.join(row::FILE)) {
         let (record, experiments) = report::read(folder)?;
         let name = folder.strip_prefix(root).unwrap_or(folder).display().to_string();
@@ -89,12 +93,12 @@ fn find(root: &Path, folder: &Path, found: &mut Vec<Given>) -> anyhow::Result<()
     }
     let entries = std::fs::read_dir(folder)
         .with_context(|| format!("cannot read the folder {}", folder.display()))?;
-    // A link to a folder could lead back to it.
-    let is_folder = |entry: &DirEntry| entry.file_type().is_ok_and(|kind| kind.is_dir());
-    let mut folders: Vec<PathBuf> =
-        entries.flatten().filter(is_folder).map(|entry| entry.path()).collect();
+    let paths = entries.flatten().map(|entry| entry.path());
+    let mut folders: Vec<PathBuf> = paths.filter(|path| path.is_dir()).collect();
     folders.sort();
-    folders.iter().try_for_each(|folder| find(root, folder, found))
+    // A link to a folder could lead back to it.
+    links.extend(folders.extract_if(.., |it| it.is_symlink()));
+    folders.iter().try_for_each(|folder| find(root, folder, found, links))
 }
 
 fn about(name: &str) -> Option<About> {

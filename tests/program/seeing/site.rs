@@ -58,9 +58,13 @@ fn pages_link_only_to_files_of_the_site() {
     assert!(!at.path("site/records/stale.html").exists());
     assert!(at.path("site/records/kept.csv").exists() && at.path("kept.html").exists());
     assert_eq!(at.read("site/made-by-contactbench.txt"), listed);
-    at.shell("mkdir -p two/a two/b; for it in a b; do cp -r twice/* two/$it; done");
+    at.shell(
+        "mkdir -p two/a two/b; for it in a b; do cp -r twice/* two/$it; done; ln -s . two/loop",
+    );
     let copy = at.good("site two -o site --address https://example.org/all/");
-    assert!(copy.stderr.contains("two/b is a copy of two/a and is left out"), "{}", copy.stderr);
+    for note in ["two/b is a copy of two/a and is left out", "two/loop is a link and is left out"] {
+        assert!(copy.stderr.contains(note), "{}", copy.stderr);
+    }
     let page = at.read("site/records/a.html");
     assert!(page.contains("href=\"https://example.org/all/a/samples.jsonl\""), "{page}");
     at.ends(2, "site . -o experiments", &["is not empty and not a site; choose another"]);

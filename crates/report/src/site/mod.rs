@@ -256,7 +256,7 @@ impl Site<'_> {
         });
         contests.max_by_key(|(record, _, contest)| {
             let parts = contest.title.split(',').count();
-            (!record.older, libraries(contest).min(5), Reverse(parts))
+            (libraries(contest).min(5), !record.older, Reverse(parts))
         })
     }
 
@@ -268,9 +268,10 @@ impl Site<'_> {
         );
         if let Some((record, chapter, contest)) = self.best() {
             let (cpu, day, page) = (escape(&record.cpu), escape(&record.day), record.page());
+            let older = if record.older { ", by an older program" } else { "" };
             let sentence = document::html(&[Block::Paragraph(chapter.sentence())]);
             out += &format!(
-                "{sentence}{}<p class=\"note\">{cpu}, {day}. <a href=\"{page}\">All scenes of this \
+                "{sentence}{}<p class=\"note\">{cpu}, {day}{older}. <a href=\"{page}\">All scenes of this \
                  record</a></p>\n",
                 bars(contest, self.about),
             );
