@@ -137,6 +137,10 @@ impl Chosen {
         matches!(self.frame, Framing::By(_))
     }
 
+    pub fn one_scene(&self) -> bool {
+        matches!(self.frame, Framing::None)
+    }
+
     /// Returns the columns as indices from 0, if coordinates are chosen and all columns are given
     /// by number.
     pub fn numbers(&self) -> Option<Vec<usize>> {

@@ -16,3 +16,17 @@ fn long_lines_and_missing_files_are_refused() {
     let message = read(&damaged[..damaged.len() / 2], "", NONE).unwrap_err();
     assert!(message.starts_with("cannot read p"), "{message}");
 }
+
+#[test]
+fn several_scenes_in_one_table_are_found_under_any_name() {
+    let names = "fov ImageNumber image_number img POSITION_T t_s t/s ts tau seconds sec ms nt tick \
+                 MCS sweep date day epoch snapnum run replicate sample trial config batch traj bild";
+    for name in names.split_whitespace() {
+        for number in ["id", "cell", "ObjectNumber"] {
+            let table =
+                format!("{name},{number},x,y,r\na,7,0,0,1\na,8,3,1,1\nb,7,1,0,1\nb,8,4,1,1\n");
+            let message = read(table.as_bytes(), "csv", NONE).unwrap_err();
+            assert!(message.contains(&format!("'{name}' changes")), "{message}");
+        }
+    }
+}

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, bail, ensure};
 
+use super::repeats::Repeats;
 use super::split::{self, Split};
 use crate::columns::Columns;
 use crate::columns::chosen::Chosen;
@@ -20,6 +21,7 @@ pub(super) struct Header {
     pub is_row: bool,
     pub format: &'static str,
     pub split: Option<Split>,
+    pub repeats: Option<Repeats>,
     pub declared: Option<Declared>,
 }
 
@@ -57,6 +59,9 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<He
     let by = Chosen::frame(options.columns, columns, &table.place, split::by_name)?;
     let split = by.map(|by| Split::new(by, columns, options)).transpose();
     table.split = split.with_context(|| table.place.clone())?;
+    let asked = options.columns.is_some_and(|chosen| chosen.one_scene());
+    let named = !table.assumed && table.split.is_none() && !asked;
+    table.repeats = named.then(|| Repeats::new(&table.columns)).flatten();
     table.declared = comments.edges.map(|edges| {
         let periodic = Some(edges.map(|edge| edge > 0.0));
         Declared::between(&edges.map(|edge| [0.0, edge]), periodic)

@@ -16,12 +16,14 @@
 //!   numbers of columns are refused.
 
 mod header;
+mod repeats;
 mod split;
 
-use anyhow::ensure;
+use anyhow::{Context, ensure};
 
 use crate::columns::Columns;
 use crate::formats::csv::header::Header;
+use crate::formats::csv::repeats::Repeats;
 use crate::frames::{Choice, Reader, Step};
 use crate::options::{Opened, Options};
 use crate::particles::{Loaded, Particles, loaded};
@@ -100,13 +102,17 @@ impl Header {
                     }
                     first = false;
                 }
+                if let Some(repeats) = &mut self.repeats {
+                    repeats.row(self.separator.cells(line));
+                }
                 if let Some(kept) = kept.as_deref_mut() {
                     row(columns, kept, self.separator, lines)?;
                 }
             }
             self.is_row = lines.advance()?;
         }
-        Ok(())
+        let end = |repeats: &Repeats| repeats.end(columns).with_context(|| self.place.clone());
+        self.repeats.as_ref().map_or(Ok(()), end)
     }
 
     fn frame(&self, mut particles: Particles, radius: RadiusSource) -> Loaded {
