@@ -55,7 +55,10 @@ impl Columns {
         let all = cells.clone();
         for (k, &column) in self.meaning.iter().enumerate() {
             let Some(cell) = cells.next() else {
-                bad = Some((k, ""));
+                // A number that ends the line may be cut off, so an unused cell follows the used.
+                let unused =
+                    self.meaning[k.saturating_sub(1)..].iter().all(|it| *it == Column::Other);
+                bad = (!self.or_fewer || !unused).then_some((k, ""));
                 break;
             };
             match column {

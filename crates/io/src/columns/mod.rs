@@ -64,6 +64,8 @@ pub struct Columns {
     pub names: Vec<String>,
     /// Whether lines may have more columns than the named ones.
     pub or_more: bool,
+    /// Whether unused columns at the end of a line may be missing.
+    pub or_fewer: bool,
 }
 
 impl Columns {

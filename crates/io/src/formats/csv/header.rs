@@ -142,7 +142,8 @@ fn named_by(
     let numbers = separator.cells(line).filter(|cell| is_number(cell)).count();
     let sound_names = header.has_places() || numbers < 2;
     ensure!(sound_names, "{place}: numbers stand where the columns are named; {ASSIGN}");
-    Ok(Header { columns: header.chosen(&place, options.columns)?, ..table })
+    let columns = Columns { or_fewer: true, ..header.chosen(&place, options.columns)? };
+    Ok(Header { columns, ..table })
 }
 
 const ASSIGN: &str =
