@@ -9,7 +9,7 @@
 //!   `pbc="T T F"` states otherwise, as in ASE and OVITO.
 //! * Time: `step=100` (or `timestep`), `time=0.5`.
 //! * Plain: `species x y z`. Further columns are refused, because they may be radii, charges or
-//!   velocities. If the options give the radius, they are skipped.
+//!   velocities. If the options give the radius, those behind the name of a species are skipped.
 
 mod comment;
 
@@ -22,7 +22,7 @@ use crate::frames::Framed;
 use crate::options::{Opened, Options};
 use crate::particles::Loaded;
 use crate::raw::lines::{Lines, Source, number, short, shown, step_of, words};
-use crate::types::{About, Declared};
+use crate::types::{About, Declared, assumed};
 
 const MOST_COLUMNS: usize = 10_000;
 
@@ -94,15 +94,24 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
     for k in 0..n {
         lines.row(k, n, ROWS)?;
         let line = lines.line();
-        let first = words(line).next().unwrap_or_default();
-        let named = !unsure || number(first).is_none_or(|value| value.fract() == 0.0);
-        let first = shown(first);
+        let first_cell = words(line).next().unwrap_or_default();
+        let named = !unsure || number(first_cell).is_none_or(|value| value.fract() == 0.0);
+        let first = shown(first_cell);
         ensure!(named, "{lines}: '{first}' is not a species; give --columns x=1,y=2,z=3,r=4");
-        let many = words(line).count() > rows.columns.names.len();
+        let count = words(line).count();
+        let many = unsure && count > rows.columns.names.len();
+        let last = count.saturating_sub(2);
+        // Behind a name of a species coordinates follow; behind a number they may not.
         ensure!(
-            !unsure || options.radius.is_some() || !many,
-            "{lines}: plain XYZ has 4 columns; give --radius R, or Properties in line 2"
+            !many || options.radius.is_some() && number(first_cell).is_none(),
+            "{lines}: {count} columns, and plain XYZ has 4; give --columns x=2,y=3,z=4 or \
+             x={last},y={},z={count}, or Properties in line 2",
+            last + 1
         );
+        if many && k == 0 {
+            let notice = assumed!("x, y, z are columns 2 to 4 of {count}; --columns changes this");
+            rows.particles.notices.push(notice);
+        }
         rows.push(line, lines)?;
     }
     let (particles, about) = rows.read(if plain { "XYZ" } else { "extended XYZ" });
