@@ -61,7 +61,7 @@ impl Reader<Loaded> for Csv<'_> {
             choice.through &= read.is_ok() || lines.ended();
             read?;
             let frame = || table.frame(kept, columns.radius());
-            let mut read = is_kept.then(frame);
+            let mut read = is_kept.then(frame).transpose()?;
             match table.is_row {
                 true => choice.whole = choice.seen,
                 false => choice.done(lines.ended(), read.as_mut().map(|(kept, _)| kept)),
@@ -115,8 +115,21 @@ impl Header {
         self.repeats.as_ref().map_or(Ok(()), end)
     }
 
-    fn frame(&self, mut particles: Particles, radius: RadiusSource) -> Loaded {
+    fn frame(&self, mut particles: Particles, radius: RadiusSource) -> anyhow::Result<Loaded> {
         if self.assumed {
+            let radii = particles.radii.as_deref().unwrap_or_default();
+            let kinds =
+                radii.iter().all(|r| r.fract() == 0.0) && radii.windows(2).any(|w| w[0] != w[1]);
+            let all = self.columns.names.iter().zip(1..).map(|(name, k)| format!("{name}={k}"));
+            let (all, place) = (all.collect::<Vec<_>>(), &self.place);
+            let places = &all[..all.len().saturating_sub(1)];
+            ensure!(
+                !kinds,
+                "{place}: the last unnamed column has only whole numbers, as of kinds; give \
+                 --columns {} if they are radii, or --columns {} --radius R",
+                all.join(","),
+                places.join(",")
+            );
             particles.notices.push(assumed!(
                 "the columns have no names and are read as {}; if that is wrong, give --columns",
                 self.columns.names.join(", ")
@@ -127,7 +140,7 @@ impl Header {
             (about.step, about.time) = (split.step(), split.time());
         }
         about.declared = self.declared.clone();
-        (particles, about)
+        Ok((particles, about))
     }
 }
 
