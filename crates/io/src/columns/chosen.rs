@@ -5,6 +5,7 @@
 //!   coordinates are found by their names.
 //! * `frame=NAME` chooses the column that splits a table into frames; `frame=none` turns splitting
 //!   off.
+//! * `points=NAME` chooses the array of points in an npz archive.
 
 use std::collections::BTreeSet;
 use std::str::FromStr;
@@ -16,7 +17,7 @@ use super::units::split;
 use super::{Column, Columns};
 use crate::raw::lines::listed;
 
-/// The chosen columns for x, y, z, r, d, id and frame, each by its number from 1 or by its name.
+/// The chosen columns for the keys and frame, each by its number from 1 or by its name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Chosen {
     columns: [Option<Which>; KEYS.len()],
@@ -31,13 +32,14 @@ enum Framing {
     By(Which),
 }
 
-const KEYS: [(&str, Column); 6] = [
+const KEYS: [(&str, Column); 7] = [
     ("x", Column::Axis(0)),
     ("y", Column::Axis(1)),
     ("z", Column::Axis(2)),
     ("r", Column::Radius),
     ("d", Column::Diameter),
     ("id", Column::Id),
+    ("points", Column::Points),
 ];
 
 /// A name or value. Options are copied often, so each different word is stored once and never
@@ -107,7 +109,8 @@ impl FromStr for Chosen {
                 std::mem::replace(&mut chosen.frame, frame) != Framing::ByName
             } else {
                 let k = KEYS.iter().position(|(name, _)| *name == key);
-                let none = || format!("'{key}' is not one of x, y, z, r, d, id, frame; {FORM}");
+                let none =
+                    || format!("'{key}' is not one of x, y, z, r, d, id, points, frame; {FORM}");
                 chosen.columns[k.ok_or_else(none)?].replace(which()?).is_some()
             };
             if twice {
@@ -131,6 +134,10 @@ impl Chosen {
 
     pub fn sizes(&self) -> bool {
         self.columns[3..5].iter().any(Option::is_some)
+    }
+
+    pub fn points(&self) -> bool {
+        self.columns[6].is_some()
     }
 
     pub fn by_frame(&self) -> bool {
@@ -159,10 +166,10 @@ impl Chosen {
     /// Returns the meaning of a column that was not chosen itself, given what was chosen.
     fn beside(&self, named: Column) -> Column {
         let gone = match named {
-            Column::Axis(_) => self.axes(),
+            Column::Axis(_) => self.axes() || self.points(),
             Column::Radius | Column::Diameter => self.axes() || self.sizes(),
             Column::Id => self.axes() || self.columns[5].is_some(),
-            Column::Other => false,
+            Column::Points | Column::Other => false,
         };
         if gone { Column::Other } else { named }
     }

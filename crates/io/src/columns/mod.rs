@@ -17,6 +17,8 @@ pub enum Column {
     Radius,
     Diameter,
     Id,
+    /// All coordinates, as rows of an array.
+    Points,
     Other,
 }
 
@@ -39,6 +41,7 @@ impl Column {
             Column::Radius => "the radius",
             Column::Diameter => "the diameter",
             Column::Id => "the id",
+            Column::Points => "the points",
             Column::Other => "something else",
         }
     }

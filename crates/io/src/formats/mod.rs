@@ -107,11 +107,16 @@ pub fn find(
         Some(format) => format,
         None => detected(head, name, ending)?,
     };
-    ensure!(
-        format.key == "csv" || !options.columns.is_some_and(|chosen| chosen.by_frame()),
-        "{name}: frame= in --columns belongs to tables, and this is {}; leave it out",
-        format.name
-    );
+    let chosen = options.columns.unwrap_or_default();
+    for (key, only, is_given) in
+        [("frame", "csv", chosen.by_frame()), ("points", "npz", chosen.points())]
+    {
+        ensure!(
+            format.key == only || !is_given,
+            "{name}: {key}= in --columns belongs to {only}, and this is {}; leave it out",
+            format.name
+        );
+    }
     Ok(format)
 }
 

@@ -12,13 +12,16 @@ use crate::frames::Framed;
 use crate::options::{Opened, Options};
 use crate::particles::sizes::{Size, radii};
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
-use crate::raw::lines::{Source, exact, short};
+use crate::raw::lines::{Source, among, exact, short};
 use crate::raw::room::{room, room_for};
-use crate::types::{About, Notice, RadiusSource};
+use crate::types::{About, Notice, RadiusSource, assumed};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
     Box::new(Indexed::<Scenes>::new(source, options))
 }
+
+/// Names of arrays that are taken for points before others, in lower case.
+const POINTS: &str = "x points positions position pos coords coordinates xyz r centers centres";
 
 /// An array of sizes, which is in memory while frames are read.
 struct Array {
@@ -33,8 +36,8 @@ struct Scenes {
     /// Particles of an archive without frames, and the source of their radii.
     whole: Option<(Particles, RadiusSource)>,
     frames: Option<Header>,
-    /// Name of the array of points, with or without frames.
-    points: Option<String>,
+    /// Arrays that could be points, the read one first, and whether the name is usual for points.
+    points: Vec<(bool, String)>,
     sizes: Vec<Array>,
     around: Cell,
     /// Ids; `None` if there are none, or if a number is not whole.
@@ -95,18 +98,23 @@ impl Scenes {
                 let ids = npy::list(source, &mut header, label, column)?;
                 self.ids = ids.into_iter().map(exact).collect();
             }
-            (_, Column::Radius | Column::Diameter) => {
+            (sizes, Column::Radius | Column::Diameter) if sizes.len() < 3 => {
                 header.keep(source)?;
                 self.sizes.push(Array { header, label: label.to_string(), column });
             }
-            (&[_, 2..=4], _) if header.is_real() => {
-                self.has_points(label, source.name)?;
+            (&[_, 2..=4], _) if header.is_real() && self.takes(label, column, options) => {
                 self.whole = Some(npy::particles(source, &mut header, options)?);
             }
-            (&[frames, rows, 2..=4], _) if header.is_real() && frames.min(rows) > 0 => {
-                self.has_points(label, source.name)?;
+            (&[frames, rows, 2..=4], _)
+                if header.is_real()
+                    && frames.min(rows) > 0
+                    && self.takes(label, column, options) =>
+            {
                 header.keep(source)?;
                 self.frames = Some(header);
+            }
+            (&[_, 2..=4] | &[_, _, 2..=4], _) if header.is_real() => {
+                self.others.push(label.to_string());
             }
             (&[_] | &[_, 1], Column::Axis(k)) => {
                 self.axes[k] = Some(npy::list(source, &mut header, label, column)?);
@@ -119,12 +127,21 @@ impl Scenes {
         Ok(())
     }
 
-    fn has_points(&mut self, label: &str, place: &str) -> anyhow::Result<()> {
-        let label = short(label);
-        if let Some(other) = self.points.replace(label.clone()) {
-            bail!("{place}: '{other}' and '{label}' could both hold the particles; keep one array");
+    /// Whether an array of points replaces the one found before: it is the chosen one, or its name
+    /// is more [usual](POINTS).
+    fn takes(&mut self, label: &str, column: Column, options: Options) -> bool {
+        let chosen = options.columns.is_some_and(|chosen| chosen.points());
+        let usual = !chosen && among(POINTS, &label.to_ascii_lowercase());
+        let array = (column == Column::Points || usual, label.to_string());
+        let first = !chosen || array.0;
+        let first = first && self.points.iter().all(|(usual, _)| *usual < array.0);
+        if first {
+            (self.whole, self.frames) = (None, None);
+            self.points.insert(0, array);
+        } else {
+            self.points.push(array);
         }
-        Ok(())
+        first
     }
 
     /// Decides which array holds the points of all frames, and which holds their sizes.
@@ -136,13 +153,38 @@ impl Scenes {
             let unused = self.sizes.drain(..).map(|size| unused_sizes(&size.label, given));
             self.unused.extend(unused);
         }
-        match (&self.points, &self.axes) {
-            (Some(_), [None, None, None]) | (None, [Some(_), Some(_), _]) => Ok(()),
-            (Some(label), _) => {
-                bail!("{name} holds points in '{label}' and in x, y, z, too; keep one of them")
-            }
-            (None, _) => bail!("{name} has no arrays x and y, and none ([frames,] N, 2 to 4)"),
+        let has_points = self.whole.is_some() || self.frames.is_some();
+        let by_axes = matches!(self.axes, [Some(_), Some(_), _]);
+        // Beside discs z may be the third coordinate, beside spheres it is another number.
+        let flat = self.whole.as_ref().is_some_and(|(it, _)| it.dim() == 2)
+            || self.frames.as_ref().is_some_and(|it| it.sizes.last() == Some(&2));
+        let third = flat && self.axes.iter().any(Option::is_some);
+        let axes = (by_axes || third).then(|| "x, y, z".to_string());
+        let usual = self.points.first().is_some_and(|it| it.0);
+        let mut others = self.points.iter().skip(usize::from(has_points));
+        let chosen = options.columns.is_some_and(|chosen| chosen.points());
+        let doubt = others.clone().find(|it| it.0 == usual).map(|it| short(&it.1)).or(axes);
+        match (self.points.first(), doubt) {
+            (Some((_, label)), Some(other)) if has_points && !chosen => bail!(
+                "{name}: '{}' and '{other}' could both hold the particles; choose an array with \
+                 --columns points=NAME",
+                short(label)
+            ),
+            _ => ensure!(
+                has_points || by_axes,
+                "{name} has no arrays x and y, and none ([frames,] N, 2 to 4)"
+            ),
         }
+        if let (Some((_, label)), Some((_, other)), false) =
+            (self.points.first(), others.next(), chosen)
+        {
+            self.unused.push(assumed!(
+                "the particles are those of '{}', and not of '{}'; --columns points=NAME changes this",
+                short(label),
+                short(other)
+            ));
+        }
+        Ok(())
     }
 
     fn frame(
