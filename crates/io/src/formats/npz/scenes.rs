@@ -134,7 +134,7 @@ impl Scenes {
         let usual = !chosen && among(POINTS, &label.to_ascii_lowercase());
         let array = (column == Column::Points || usual, label.to_string());
         let first = !chosen || array.0;
-        let first = first && self.points.iter().all(|(usual, _)| *usual < array.0);
+        let first = first && self.points.iter().all(|(usual, _)| !usual && array.0);
         if first {
             (self.whole, self.frames) = (None, None);
             self.points.insert(0, array);
