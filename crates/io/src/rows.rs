@@ -1,12 +1,19 @@
 //! Particles from the rows of a table.
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
 
 use crate::columns::{Column, Columns};
 use crate::options::Options;
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
 use crate::raw::lines::{Lines, Separator, listed, number, short, shown, whole};
 use contactbench_terms::number::plural;
+
+/// Columns that are doubted, the columns beside them that are a reason, and what to do.
+const DOUBTS: [(&str, &str, &str, &str); 3] = [
+    ("r", "g theta phi", "radius", "r=r if it is, or --radius R"),
+    ("d", "dx", "diameter", "d=d if it is, or --radius R"),
+    ("z", "zerr z_err mag g+i", "coordinate", "x=x,y=y,z=z if it is, or x=x,y=y"),
+];
 
 pub struct Rows {
     pub columns: Columns,
@@ -32,6 +39,7 @@ impl Columns {
             }));
         }
         self.check(place)?;
+        self.doubts(place, options)?;
         let has_radii = self.meaning.iter().any(|column| column.is_size());
         let mut particles = Particles::new(2 + usize::from(self.has(Column::Axis(2))), has_radii);
         let ids = self.meaning.iter().filter(|column| **column == Column::Id).count();
@@ -42,6 +50,28 @@ impl Columns {
         particles.unused = unused.map(|(_, name)| name.clone()).collect();
         particles.notices = notices;
         Ok(particles)
+    }
+
+    /// Refuses sizes and coordinates whose neighbours show that they may be something else.
+    fn doubts(&self, place: &str, options: Options) -> anyhow::Result<()> {
+        let has = |wanted: &str| self.names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
+        for (doubted, companions, what, ways) in DOUBTS {
+            let column = Column::named(doubted);
+            let chosen = if column.is_size() { options.sizes_chosen() } else { false };
+            let mut all = self.meaning.iter().zip(&self.names);
+            let mut is_used =
+                || all.any(|(it, name)| *it == column && name.eq_ignore_ascii_case(doubted));
+            let beside = companions.split(' ').find(|it| it.split('+').all(has));
+            if let (false, Some(beside), true) =
+                (chosen || options.axes_chosen(), beside, is_used())
+            {
+                let beside = beside.replace('+', "' and '");
+                bail!(
+                    "{place}: '{doubted}' beside '{beside}' may be no {what}; give --columns {ways}"
+                );
+            }
+        }
+        Ok(())
     }
 
     /// Adds the particle of one line.

@@ -60,7 +60,7 @@ impl Reader<Loaded> for Csv<'_> {
             // out of order.
             choice.through &= read.is_ok() || lines.ended();
             read?;
-            let frame = || table.frame(kept, columns.radius());
+            let frame = || table.frame(kept, columns.radius(), options.sizes_chosen());
             let mut read = is_kept.then(frame).transpose()?;
             match table.is_row {
                 true => choice.whole = choice.seen,
@@ -115,7 +115,12 @@ impl Header {
         self.repeats.as_ref().map_or(Ok(()), end)
     }
 
-    fn frame(&self, mut particles: Particles, radius: RadiusSource) -> anyhow::Result<Loaded> {
+    fn frame(
+        &self,
+        mut particles: Particles,
+        radius: RadiusSource,
+        chosen: bool,
+    ) -> anyhow::Result<Loaded> {
         if self.assumed {
             let radii = particles.radii.as_deref().unwrap_or_default();
             let kinds =
@@ -135,6 +140,18 @@ impl Header {
                 self.columns.names.join(", ")
             ));
         }
+        let radial = |k: usize, r: f64| {
+            let square = particles.centre(k).iter().map(|x| x * x).sum::<f64>();
+            (r * r - square).abs() <= 1e-6 * square
+        };
+        let radii = particles.radii.iter().flatten().enumerate();
+        let doubted = !chosen && particles.len() > 2 && particles.has_radii();
+        ensure!(
+            !(doubted && radii.clone().all(|(k, r)| radial(k, *r))),
+            "{}: each radius is the distance from the origin; give --columns with r=NAME if they are \
+             sizes, or --radius R",
+            self.place
+        );
         let (particles, mut about) = loaded(self.format, particles, radius);
         if let Some(split) = &self.split {
             (about.step, about.time) = (split.step(), split.time());
