@@ -5,7 +5,8 @@ use anyhow::{Context, anyhow, bail};
 use crate::columns::{Column, Columns};
 use crate::options::Options;
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
-use crate::raw::lines::{Lines, Separator, listed, number, short, shown, whole};
+use crate::raw::lines::{Lines, Separator, among, listed, number, short, shown, whole};
+use crate::types::assumed;
 use contactbench_terms::number::plural;
 
 /// Columns that are doubted, the columns beside them that are a reason, and what to do.
@@ -48,6 +49,16 @@ impl Columns {
         let unused = self.meaning.iter().zip(&self.names);
         let unused = unused.filter(|(meaning, _)| **meaning == Column::Other);
         particles.unused = unused.map(|(_, name)| name.clone()).collect();
+        let edges = self.names.iter().filter(|name| {
+            let name = name.to_ascii_lowercase().replace(['_', ' '], "");
+            among("lx ly lz boxx boxy boxz boxlx boxly boxlz", &name)
+        });
+        let edges = edges.map(|name| short(name)).collect::<Vec<_>>().join(", ");
+        if !edges.is_empty() && !options.boundaries.replace_box() {
+            notices.push(assumed!(
+                "{edges} may be a box and is not read; if it is, give --box LX,LY,LZ, and --open if not"
+            ));
+        }
         particles.notices = notices;
         Ok(particles)
     }

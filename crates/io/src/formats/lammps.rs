@@ -17,7 +17,7 @@ use crate::boxes::{bound, in_order};
 use crate::columns::Columns;
 use crate::options::Options;
 use crate::particles::Loaded;
-use crate::raw::lines::{Lines, Source, short, words};
+use crate::raw::lines::{Lines, Source, short, shown, whole, words};
 use crate::rows::Rows;
 use crate::types::{About, Declared, assumed};
 
@@ -157,6 +157,14 @@ fn atoms(
             rows = Some(unstyled.rows(&lines.place(), options)?);
         }
         let Some(rows) = &mut rows else { continue };
+        if style.is_none() && !chosen && rows.columns.names.len() == 6 {
+            let kind = words(line).nth(2).unwrap_or_default();
+            ensure!(
+                whole(kind).is_some(),
+                "{lines}: '{}' in column 3 is no type; give --columns x=3,y=4,z=5",
+                shown(kind)
+            );
+        }
         rows.push(line, lines)?;
     }
     Ok(rows.unwrap_or_else(|| Rows::none("x y z")))

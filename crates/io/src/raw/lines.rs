@@ -127,12 +127,13 @@ impl<'a> Lines<'a> {
 /// D, as in Fortran.
 pub fn number(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?;
-    let fortran = || {
-        let (mantissa, exponent) = text.split_once(['d', 'D'])?;
+    let other = || {
+        // Fortran writes 1.0D+00, Mathematica 1.0*^0.
+        let (mantissa, exponent) = text.split_once("*^").or(text.split_once(['d', 'D']))?;
         exponent.parse::<i32>().ok()?;
         format!("{mantissa}e{exponent}").parse().ok()
     };
-    text.parse().ok().or_else(fortran)
+    text.parse().ok().or_else(other)
 }
 
 /// Parses a whole number, also if written as `12.0` or `1.2000e+01`.
