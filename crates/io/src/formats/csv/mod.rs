@@ -141,8 +141,8 @@ impl Header {
             ));
         }
         let radial = |k: usize, r: f64| {
-            let square = particles.centre(k).iter().map(|x| x * x).sum::<f64>();
-            (r * r - square).abs() <= 1e-6 * square
+            let far = particles.centre(k).into_iter().fold(0.0, f64::hypot);
+            far > 0.0 && (r - far).abs() <= 1e-6 * far
         };
         let radii = particles.radii.iter().flatten().enumerate();
         let doubted = !chosen && particles.len() > 2 && particles.has_radii();
