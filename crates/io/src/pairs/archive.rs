@@ -1,6 +1,6 @@
 //! Contact lists in npz archives: arrays `i` and `j` of whole numbers, named like the columns of a
-//! table, or one array of pairs. Images are arrays `sx`, `sy`, `sz`, or one array `S` of shape
-//! (pairs, 2) or (pairs, 3).
+//! table, or one array of pairs, such as `edge_index` of shape (2, pairs). Images are arrays `sx`,
+//! `sy`, `sz`, or [one array](IMAGES) of shape (pairs, 2) or (pairs, 3).
 
 use anyhow::{Context, bail, ensure};
 
@@ -14,6 +14,9 @@ use crate::frames::{Choice, Reader};
 use crate::raw::lines::{Source, exact, listed, short};
 use crate::raw::room::room;
 use crate::types::FrameChoice;
+
+/// Names of images in ASE, in codes for learned potentials, and in NequIP.
+const IMAGES: [&str; 4] = ["S", "unit_shifts", "cell_shifts", "edge_cell_shift"];
 
 #[derive(Default)]
 struct Arrays {
@@ -35,18 +38,26 @@ impl Arrays {
         let Some(label) = name.strip_suffix(".npy").map(str::to_string) else { return Ok(()) };
         let Ok(mut header) = npy::header(&mut source) else { return Ok(()) };
         match header.columns {
-            None => match columns(&mut source, &mut header, 1)?.and_then(|mut it| it.pop()) {
-                Some(column) => {
-                    self.names.push(label);
-                    self.columns.push(column);
+            None => {
+                match columns(&mut source, &mut header, 1, |_| 0)?.and_then(|mut it| it.pop()) {
+                    Some(column) => {
+                        self.names.push(label);
+                        self.columns.push(column);
+                    }
+                    None => self.others.push(label),
                 }
-                None => self.others.push(label),
-            },
-            Some(count @ 2..=3) if label == "S" => {
-                let of = columns(&mut source, &mut header, count)?;
+            }
+            Some(count @ 2..=3) if IMAGES.contains(&&*label) => {
+                let of = columns(&mut source, &mut header, count, |k| k % count)?;
                 let place = || format!("{}: an image is not a whole number", source.name);
                 self.columns.extend(of.with_context(place)?);
                 self.names.extend(["sx", "sy", "sz"].into_iter().take(count).map(String::from));
+            }
+            Some(count) if label == "edge_index" && header.rows == 2 => {
+                let of = columns(&mut source, &mut header, 2, |k| k / count)?;
+                let place = || format!("{}: a particle is not a whole number", source.name);
+                self.columns.extend(of.with_context(place)?);
+                self.names.extend(["i", "j"].map(String::from));
             }
             Some(_) => {
                 let mut array = RowReader::new(Array::behind(source, header));
@@ -102,16 +113,18 @@ impl Arrays {
     }
 }
 
-/// Reads `count` columns of an array; `None` if a number is not whole.
+/// Reads an array into `count` columns; `of` is the column of a number. `None` if a number is not
+/// whole.
 fn columns(
     source: &mut Source<'_>,
     header: &mut Header,
     count: usize,
+    of: impl Fn(usize) -> usize,
 ) -> anyhow::Result<Option<Vec<Vec<i64>>>> {
     let mut columns = vec![Vec::new(); count];
     let mut are_whole = true;
     header.values(source, header.frame_size(), |k, value| {
-        let column = &mut columns[k as usize % count];
+        let column = &mut columns[of(k as usize)];
         are_whole &= exact(value).is_some();
         room(column)?;
         column.push(value as i64);
