@@ -90,7 +90,7 @@ pub const OPTIONS: [FileOption; 8] = [
     option("radius", "RADIUS", "Radius of all particles, if the file has none"),
     option("dim", "DIM", "2 or 3 dimensions, if the file leaves it open"),
     option("frame", "FRAME", "From 0, last, or (some verbs) all [default: last]"),
-    option("columns", "COLUMNS", "x y z r d id frame by name or number: x=3,y=4"),
+    option("columns", "COLUMNS", "x y z r d id points frame by name or number: x=3,y=4"),
     option("format", "FORMAT", "File format [default: by content and name]"),
     option("box", "NUMBERS", "Box: LX,LY[,LZ[,XY,XZ,YZ]], or its 2 or 3 vectors"),
     option("periodic", "AXES", "Axes along which the box repeats, as in xy, or none"),

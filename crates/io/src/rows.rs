@@ -5,16 +5,12 @@ use anyhow::{Context, anyhow, bail};
 use crate::columns::{Column, Columns};
 use crate::options::Options;
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
-use crate::raw::lines::{Lines, Separator, among, listed, number, short, shown, whole};
-use crate::types::assumed;
+use crate::raw::lines::{Lines, Separator, listed, number, short, shown, whole};
 use contactbench_terms::number::plural;
 
-/// Columns that are doubted, the columns beside them that are a reason, and what to do.
-const DOUBTS: [(&str, &str, &str, &str); 3] = [
-    ("r", "g theta phi", "radius", "r=r if it is, or --radius R"),
-    ("d", "dx", "diameter", "d=d if it is, or --radius R"),
-    ("z", "zerr z_err mag g+i", "coordinate", "x=x,y=y,z=z if it is, or x=x,y=y"),
-];
+/// Columns that are doubted, and the columns beside them that are the reason: colours and the bands
+/// of telescopes.
+const DOUBTS: [(&str, &str); 3] = [("r", "g+b"), ("r", "g+i"), ("z", "zerr z_err g+i")];
 
 pub struct Rows {
     pub columns: Columns,
@@ -49,38 +45,37 @@ impl Columns {
         let unused = self.meaning.iter().zip(&self.names);
         let unused = unused.filter(|(meaning, _)| **meaning == Column::Other);
         particles.unused = unused.map(|(_, name)| name.clone()).collect();
-        let edges = self.names.iter().filter(|name| {
-            let name = name.to_ascii_lowercase().replace(['_', ' '], "");
-            among("lx ly lz boxx boxy boxz boxlx boxly boxlz", &name)
-        });
-        let edges = edges.map(|name| short(name)).collect::<Vec<_>>().join(", ");
-        if !edges.is_empty() && !options.boundaries.replace_box() {
-            notices.push(assumed!(
-                "{edges} may be a box and is not read; if it is, give --box LX,LY,LZ, and --open if not"
-            ));
-        }
         particles.notices = notices;
         Ok(particles)
     }
 
-    /// Refuses sizes and coordinates whose neighbours show that they may be something else.
+    /// Refuses a radius or a coordinate beside columns that show that it may be something else.
     fn doubts(&self, place: &str, options: Options) -> anyhow::Result<()> {
         let has = |wanted: &str| self.names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
-        for (doubted, companions, what, ways) in DOUBTS {
+        for (doubted, companions) in DOUBTS {
             let column = Column::named(doubted);
-            let chosen = if column.is_size() { options.sizes_chosen() } else { false };
             let mut all = self.meaning.iter().zip(&self.names);
-            let mut is_used =
-                || all.any(|(it, name)| *it == column && name.eq_ignore_ascii_case(doubted));
-            let beside = companions.split(' ').find(|it| it.split('+').all(has));
-            if let (false, Some(beside), true) =
-                (chosen || options.axes_chosen(), beside, is_used())
+            let is_it = |(it, name): (&Column, &String)| {
+                *it == column && name.eq_ignore_ascii_case(doubted)
+            };
+            if options.axes_chosen()
+                || column.is_size() && options.sizes_chosen()
+                || !all.any(is_it)
             {
-                let beside = beside.replace('+', "' and '");
-                bail!(
-                    "{place}: '{doubted}' beside '{beside}' may be no {what}; give --columns {ways}"
-                );
+                continue;
             }
+            let Some(beside) = companions.split(' ').find(|it| it.split('+').all(has)) else {
+                continue;
+            };
+            let beside = beside.replace('+', "' and '");
+            let (what, ways) = match column {
+                Column::Radius => ("radius", "r=r if it is, or --radius R"),
+                _ => (
+                    "coordinate",
+                    "x=x,y=y,z=z if it is, or x=x,y=y, with r=NAME if there is a size",
+                ),
+            };
+            bail!("{place}: '{doubted}' beside '{beside}' may be no {what}; give --columns {ways}");
         }
         Ok(())
     }

@@ -196,7 +196,7 @@ impl Chosen {
 
     /// Refuses a coordinate that is chosen as something else: its axis would be lost in silence.
     fn keeps(&self, named: Column, chosen: Column, what: &str) -> anyhow::Result<()> {
-        let is_axis = |column| matches!(column, Column::Axis(_));
+        let is_axis = |column| matches!(column, Column::Axis(_) | Column::Points);
         ensure!(
             !is_axis(named) || is_axis(chosen) || self.axes(),
             "{what}: that column is the coordinate {}; choose all coordinates, x=NAME,y=NAME, too",

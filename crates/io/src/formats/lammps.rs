@@ -161,7 +161,8 @@ fn atoms(
             let kind = words(line).nth(2).unwrap_or_default();
             ensure!(
                 whole(kind).is_some(),
-                "{lines}: '{}' in column 3 is no type; give --columns x=3,y=4,z=5",
+                "{lines}: column 3 holds '{}': give --columns x=4,y=5,z=6 if it is a charge, or \
+                 x=3,y=4,z=5 if it is a coordinate",
                 shown(kind)
             );
         }

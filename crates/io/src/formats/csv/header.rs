@@ -142,7 +142,10 @@ fn named_by(
     let numbers = separator.cells(line).filter(|cell| is_number(cell)).count();
     let sound_names = header.has_places() || numbers < 2;
     ensure!(sound_names, "{place}: numbers stand where the columns are named; {ASSIGN}");
-    let columns = Columns { or_fewer: true, ..header.chosen(&place, options.columns)? };
+    let columns = Columns {
+        or_fewer: separator != Separator::Blanks,
+        ..header.chosen(&place, options.columns)?
+    };
     Ok(Header { columns, ..table })
 }
 

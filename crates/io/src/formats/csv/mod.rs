@@ -27,7 +27,7 @@ use crate::formats::csv::repeats::Repeats;
 use crate::frames::{Choice, Reader, Step};
 use crate::options::{Opened, Options};
 use crate::particles::{Loaded, Particles, loaded};
-use crate::raw::lines::{Lines, Separator, Source, is_comment, uncommented};
+use crate::raw::lines::{Lines, Separator, Source, among, is_comment, listed, uncommented};
 use crate::types::{RadiusSource, assumed};
 
 pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
@@ -60,7 +60,7 @@ impl Reader<Loaded> for Csv<'_> {
             // out of order.
             choice.through &= read.is_ok() || lines.ended();
             read?;
-            let frame = || table.frame(kept, columns.radius(), options.sizes_chosen());
+            let frame = || table.frame(kept, columns.radius(), *options);
             let mut read = is_kept.then(frame).transpose()?;
             match table.is_row {
                 true => choice.whole = choice.seen,
@@ -119,39 +119,34 @@ impl Header {
         &self,
         mut particles: Particles,
         radius: RadiusSource,
-        chosen: bool,
+        options: Options,
     ) -> anyhow::Result<Loaded> {
+        let place = &self.place;
         if self.assumed {
-            let radii = particles.radii.as_deref().unwrap_or_default();
-            let kinds =
-                radii.iter().all(|r| r.fract() == 0.0) && radii.windows(2).any(|w| w[0] != w[1]);
-            let all = self.columns.names.iter().zip(1..).map(|(name, k)| format!("{name}={k}"));
-            let (all, place) = (all.collect::<Vec<_>>(), &self.place);
-            let places = &all[..all.len().saturating_sub(1)];
-            ensure!(
-                !kinds,
-                "{place}: the last unnamed column has only whole numbers, as of kinds; give \
-                 --columns {} if they are radii, or --columns {} --radius R",
-                all.join(","),
-                places.join(",")
-            );
+            self.not_kinds(&particles)?;
             particles.notices.push(assumed!(
                 "the columns have no names and are read as {}; if that is wrong, give --columns",
                 self.columns.names.join(", ")
             ));
+        } else {
+            let size = if matches!(radius, RadiusSource::Halved(_)) { 2.0 } else { 1.0 };
+            ensure!(
+                options.sizes_chosen() || !is_radial(&particles, size),
+                "{place}: each size is the distance from the origin; give --columns with r=NAME or \
+                 d=NAME if they are sizes, or --radius R"
+            );
         }
-        let radial = |k: usize, r: f64| {
-            let far = particles.centre(k).into_iter().fold(0.0, f64::hypot);
-            far > 0.0 && (r - far).abs() <= 1e-6 * far
+        let is_edge = |name: &&String| {
+            let name = name.to_ascii_lowercase().replace(['_', ' '], "");
+            among("lx ly lz boxx boxy boxz boxlx boxly boxlz", &name)
         };
-        let radii = particles.radii.iter().flatten().enumerate();
-        let doubted = !chosen && particles.len() > 2 && particles.has_radii();
-        ensure!(
-            !(doubted && radii.clone().all(|(k, r)| radial(k, *r))),
-            "{}: each radius is the distance from the origin; give --columns with r=NAME if they are \
-             sizes, or --radius R",
-            self.place
-        );
+        let edges: Vec<String> = self.columns.names.iter().filter(is_edge).cloned().collect();
+        if edges.len() > 1 && self.declared.is_none() && !options.boundaries.replace_box() {
+            particles.notices.push(assumed!(
+                "{} may be a box and are not read; if they are, give --box LX,LY,LZ, and --open if not",
+                listed(&edges)
+            ));
+        }
         let (particles, mut about) = loaded(self.format, particles, radius);
         if let Some(split) = &self.split {
             (about.step, about.time) = (split.step(), split.time());
@@ -159,6 +154,37 @@ impl Header {
         about.declared = self.declared.clone();
         Ok((particles, about))
     }
+
+    /// Refuses unnamed columns whose last one holds several whole numbers.
+    fn not_kinds(&self, particles: &Particles) -> anyhow::Result<()> {
+        let radii = particles.radii.as_deref().unwrap_or_default();
+        let whole = radii.iter().all(|r| r.fract() == 0.0);
+        let kinds = whole && radii.windows(2).any(|pair| pair[0] != pair[1]);
+        let all = self.columns.names.iter().zip(1..).map(|(name, k)| format!("{name}={k}"));
+        let (all, place) = (all.collect::<Vec<_>>(), &self.place);
+        let places = &all[..all.len().saturating_sub(1)];
+        ensure!(
+            !kinds,
+            "{place}: the last unnamed column has only whole numbers, as of kinds; give \
+             --columns {} if they are radii, or --columns {} --radius R",
+            all.join(","),
+            places.join(",")
+        );
+        Ok(())
+    }
+}
+
+/// Whether each radius, times `size`, is the distance of the centre from the origin or from the z
+/// axis.
+fn is_radial(particles: &Particles, size: f64) -> bool {
+    let radii = particles.radii.as_deref().unwrap_or_default();
+    let is_it = |axes: usize| {
+        radii.iter().enumerate().all(|(k, r)| {
+            let far = particles.centre(k)[..axes].iter().fold(0.0, |far: f64, x| far.hypot(*x));
+            (size * r - far).abs() <= 1e-3 * far
+        })
+    };
+    radii.iter().filter(|r| **r > 0.0).count() > 2 && (is_it(2) || is_it(3))
 }
 
 /// Adds the particle of a row, whose end may be a comment.

@@ -1,11 +1,12 @@
 //! Finds several scenes in one table, whatever its columns are called: the numbers of particles
-//! begin again where another column changes.
+//! begin again where another column changes, and the particles stand in the same place as before.
 //!
-//! Only numbers that rise within a scene are found. A column that fixes a coordinate, such as the
-//! row of a lattice, divides no scenes.
+//! Only numbers that rise within a scene are found, if a later scene begins with the first of them.
+//! Rows of a lattice and molecules number their particles in this way, too, but stand apart.
 
 use anyhow::bail;
 
+use super::split;
 use crate::columns::{Column, Columns};
 use crate::raw::lines::{number, short};
 
@@ -13,22 +14,41 @@ use crate::raw::lines::{number, short};
 const MOST_COLUMNS: usize = 12;
 
 pub(super) struct Repeats {
-    columns: Vec<usize>,
+    columns: Vec<Seen>,
     axes: Vec<usize>,
-    /// Columns that may divide the scenes, each with those that may number the particles.
     pairs: Vec<Pair>,
-    first: Vec<Vec<u8>>,
-    last: Vec<Vec<u8>>,
+    /// Columns of ids.
+    ids: Vec<usize>,
 }
 
+/// A column that is no coordinate and no size.
+#[derive(Clone)]
+struct Seen {
+    column: usize,
+    first: Vec<u8>,
+    last: Vec<u8>,
+    value: Option<f64>,
+    /// Whether the last row differs from the row before, has a higher number, equals the first row.
+    changes: bool,
+    rises: bool,
+    again: bool,
+}
+
+/// A column that may divide the scenes, and one that may number the particles of each.
 struct Pair {
     divides: usize,
     numbers: usize,
-    /// Whether a later scene began with the number of the first row.
+    /// Whether the divided rows are the places of one particle, which may stand apart.
+    tracks: bool,
     again: bool,
-    /// Whether each axis varied within scenes, and from scene to scene.
-    axes: [[bool; 2]; 3],
+    /// Whether some scene has two rows.
+    rose: bool,
+    /// Range of the coordinates of this scene, and of the one before.
+    range: Range,
+    before: Option<Range>,
 }
+
+type Range = [[f64; 2]; 3];
 
 impl Repeats {
     /// `None` if no two columns could show it.
@@ -37,68 +57,104 @@ impl Repeats {
             let all = columns.meaning.iter().enumerate();
             all.filter(move |(_, it)| is_it(it)).map(|(k, _)| k)
         };
-        let unused = which(|it| matches!(it, Column::Other | Column::Id));
-        let unused: Vec<usize> = unused.take(MOST_COLUMNS).collect();
+        let unused = which(|it| matches!(it, Column::Other | Column::Id)).take(MOST_COLUMNS);
+        let (first, last, value) = (Vec::new(), Vec::new(), None);
+        let seen =
+            Seen { column: 0, first, last, value, changes: false, rises: false, again: false };
+        let seen: Vec<Seen> = unused.map(|column| Seen { column, ..seen.clone() }).collect();
         let axes = which(|it| matches!(it, Column::Axis(_))).take(3).collect();
-        let pair = |&divides: &usize, &numbers: &usize| {
-            let pair = Pair { divides, numbers, again: false, axes: [[false; 2]; 3] };
-            (divides != numbers).then_some(pair)
-        };
-        let pairs = unused.iter().flat_map(|a| unused.iter().filter_map(move |b| pair(a, b)));
-        let pairs: Vec<Pair> = pairs.collect();
-        let (first, last) = (Vec::new(), Vec::new());
-        (!pairs.is_empty()).then_some(Repeats { columns: unused, axes, pairs, first, last })
+        let is_id =
+            |&k: &usize| columns.meaning[k] == Column::Id || split::is_id(&columns.names[k]);
+        let ids = seen.iter().map(|it| it.column).filter(is_id).collect();
+        (seen.len() > 1).then_some(Repeats { columns: seen, axes, pairs: Vec::new(), ids })
     }
 
     pub fn row<'a>(&mut self, cells: impl Iterator<Item = &'a [u8]>) {
-        if self.pairs.is_empty() {
+        let Repeats { columns, axes, pairs, ids } = self;
+        let is_first = columns.iter().all(|it| it.last.is_empty());
+        if pairs.is_empty() && !is_first {
             return;
         }
         let cells: Vec<&[u8]> = cells.collect();
         let at = |k: usize| cells.get(k).copied().unwrap_or_default();
-        if self.first.is_empty() {
-            self.first = cells.iter().map(|cell| cell.to_vec()).collect();
-            self.last = self.first.clone();
-            let whole = |k: usize| number(at(k)).is_some_and(|it| it.fract() == 0.0);
-            self.pairs.retain(|pair| whole(pair.numbers));
+        for seen in &mut *columns {
+            seen.take(at(seen.column), is_first);
+        }
+        let mut point = [[0.0; 2]; 3];
+        for (range, &axis) in point.iter_mut().zip(&*axes) {
+            *range = [number(at(axis)).unwrap_or(f64::NAN); 2];
+        }
+        if is_first {
+            let whole = |seen: &Seen| seen.value.is_some_and(|it| it.fract() == 0.0);
+            let all = (0..columns.len()).flat_map(|a| (0..columns.len()).map(move |b| (a, b)));
+            let all = all.filter(|&(a, b)| a != b && whole(&columns[b]));
+            let pair = |(divides, numbers): (usize, usize)| {
+                let tracks = ids.contains(&columns[divides].column);
+                let (again, rose, range, before) = (false, false, point, None);
+                Pair { divides, numbers, tracks, again, rose, range, before }
+            };
+            pairs.extend(all.map(pair));
             return;
         }
-        let Repeats { axes, pairs, first, last, .. } = self;
-        let before = |k: usize| last.get(k).map_or(&[][..], |it| it);
         pairs.retain_mut(|pair| {
-            let begins = at(pair.divides) != before(pair.divides);
-            let values = number(at(pair.numbers)).zip(number(before(pair.numbers)));
-            pair.again |=
-                begins && first.get(pair.numbers).is_some_and(|it| it == at(pair.numbers));
-            for (varies, &axis) in pair.axes.iter_mut().zip(&*axes) {
-                varies[usize::from(begins)] |= at(axis) != before(axis);
+            let (begins, numbers) = (columns[pair.divides].changes, &columns[pair.numbers]);
+            let goes_on = numbers.rises != begins && (!begins || pair.overlaps());
+            if begins {
+                pair.again |= numbers.again;
+                pair.before = Some(std::mem::replace(&mut pair.range, point));
+            } else {
+                pair.rose = true;
+                for ([low, high], [x, _]) in pair.range.iter_mut().zip(point) {
+                    (*low, *high) = (low.min(x), high.max(x));
+                }
             }
-            values.is_some_and(|(now, before)| (now > before) != begins)
+            goes_on
         });
-        for &k in self.columns.iter().chain(&self.axes) {
-            if let Some(last) = self.last.get_mut(k) {
-                last.clear();
-                last.extend_from_slice(at(k));
-            }
-        }
     }
 
     /// Fails if the rows seem to be several scenes.
     pub fn end(&self, columns: &Columns) -> anyhow::Result<()> {
-        let fixes = |[within, between]: &[bool; 2]| !within && *between;
-        let found = self.pairs.iter().find(|it| it.again && !it.axes.iter().any(fixes));
-        let Some(Pair { divides, numbers, .. }) = found else { return Ok(()) };
-        let (divides, numbers) = (&columns.names[*divides], &columns.names[*numbers]);
-        let (by, of) = (short(divides), short(numbers));
-        match Column::named(divides) {
-            Column::Id => bail!(
-                "the values of '{of}' begin again with each '{by}': sort the rows by '{of}' and \
-                 give --columns frame={of}, or give --columns frame=none for one scene"
-            ),
-            _ => bail!(
-                "the numbers in '{of}' begin again where '{by}' changes: give --columns \
-                 frame={by} if it divides scenes, or frame=none for one scene"
-            ),
+        let found = self.pairs.iter().find(|pair| pair.again && pair.rose && pair.overlaps());
+        let Some(Pair { divides, numbers, tracks, .. }) = found else { return Ok(()) };
+        let [by, of] = [divides, numbers].map(|&k| self.columns[k].column);
+        let [divides, numbers] = [by, of].map(|k| short(&columns.names[k]));
+        if *tracks {
+            bail!(
+                "'{numbers}' begins again with each '{divides}': sort the rows by '{numbers}' and \
+                 give frame={} in --columns, or frame=none for one scene",
+                of + 1
+            );
         }
+        bail!(
+            "the numbers in '{numbers}' begin again where '{divides}' changes: give frame={} in \
+             --columns if it divides scenes, or frame=none for one scene",
+            by + 1
+        );
+    }
+}
+
+impl Seen {
+    fn take(&mut self, cell: &[u8], is_first: bool) {
+        if is_first {
+            self.first = cell.to_vec();
+        }
+        self.changes = self.last != cell;
+        if self.changes || is_first {
+            let value = number(cell);
+            self.rises = value.zip(self.value).is_some_and(|(now, before)| now > before);
+            (self.value, self.again) = (value, self.first == cell);
+            self.last.clear();
+            self.last.extend_from_slice(cell);
+        } else {
+            self.rises = false;
+        }
+    }
+}
+
+impl Pair {
+    /// Whether this scene stands where the one before stood.
+    fn overlaps(&self) -> bool {
+        let apart = |([a, b], [c, d]): (&[f64; 2], &[f64; 2])| b < c || d < a;
+        self.tracks || self.before.is_none_or(|before| !self.range.iter().zip(&before).any(apart))
     }
 }

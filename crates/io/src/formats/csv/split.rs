@@ -38,6 +38,10 @@ fn kind(name: &str) -> Option<BlockKind> {
     NAMES.iter().find(|(_, names)| among(names, &name)).map(|(kind, _)| *kind)
 }
 
+pub(super) fn is_id(name: &str) -> bool {
+    among(IDS, &plain(name))
+}
+
 fn place(columns: &Columns, of: BlockKind) -> Option<usize> {
     let mut all = columns.names.iter().zip(&columns.meaning);
     all.position(|(name, meaning)| *meaning == Column::Other && kind(name) == Some(of))
@@ -75,7 +79,6 @@ impl Split {
         let beside = [BlockKind::Step, BlockKind::Time]
             .map(|it| place(columns, it).filter(|&k| k != column).map(|k| (k, None)));
         if !columns.meaning.contains(&Column::Id) && !options.axes_chosen() {
-            let is_id = |name: &String| among(IDS, &plain(name));
             let ids = columns.names.iter().zip(&mut columns.meaning);
             let mut ids = ids.filter(|(name, it)| **it == Column::Other && is_id(name));
             if let Some((_, meaning)) = ids.next() {

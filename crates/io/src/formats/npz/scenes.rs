@@ -21,7 +21,7 @@ pub fn frames(source: Source<'_>, options: Options) -> Opened<'_> {
 }
 
 /// Names of arrays that are taken for points before others, in lower case.
-const POINTS: &str = "x points positions position pos coords coordinates xyz r centers centres";
+const POINTS: &str = "points positions position pos coords coordinates xyz r centers centres";
 
 /// An array of sizes, which is in memory while frames are read.
 struct Array {
@@ -34,7 +34,7 @@ struct Array {
 struct Scenes {
     axes: [Option<Vec<f64>>; 3],
     /// Particles of an archive without frames, and the source of their radii.
-    whole: Option<(Particles, RadiusSource)>,
+    whole: Option<anyhow::Result<(Particles, RadiusSource)>>,
     frames: Option<Header>,
     /// Arrays that could be points, the read one first, and whether the name is usual for points.
     points: Vec<(bool, String)>,
@@ -103,7 +103,8 @@ impl Scenes {
                 self.sizes.push(Array { header, label: label.to_string(), column });
             }
             (&[_, 2..=4], _) if header.is_real() && self.takes(label, column, options) => {
-                self.whole = Some(npy::particles(source, &mut header, options)?);
+                // The array may not be the one that is used.
+                self.whole = Some(npy::particles(source, &mut header, options));
             }
             (&[frames, rows, 2..=4], _)
                 if header.is_real()
@@ -133,7 +134,7 @@ impl Scenes {
         let chosen = options.columns.is_some_and(|chosen| chosen.points());
         let usual = !chosen && among(POINTS, &label.to_ascii_lowercase());
         let array = (column == Column::Points || usual, label.to_string());
-        let first = !chosen || array.0;
+        let first = !options.axes_chosen() && (!chosen || array.0);
         let first = first && self.points.iter().all(|(usual, _)| !usual && array.0);
         if first {
             (self.whole, self.frames) = (None, None);
@@ -153,38 +154,46 @@ impl Scenes {
             let unused = self.sizes.drain(..).map(|size| unused_sizes(&size.label, given));
             self.unused.extend(unused);
         }
-        let has_points = self.whole.is_some() || self.frames.is_some();
-        let by_axes = matches!(self.axes, [Some(_), Some(_), _]);
-        // Beside discs z may be the third coordinate, beside spheres it is another number.
-        let flat = self.whole.as_ref().is_some_and(|(it, _)| it.dim() == 2)
-            || self.frames.as_ref().is_some_and(|it| it.sizes.last() == Some(&2));
-        let third = flat && self.axes.iter().any(Option::is_some);
-        let axes = (by_axes || third).then(|| "x, y, z".to_string());
-        let usual = self.points.first().is_some_and(|it| it.0);
-        let mut others = self.points.iter().skip(usize::from(has_points));
         let chosen = options.columns.is_some_and(|chosen| chosen.points());
-        let doubt = others.clone().find(|it| it.0 == usual).map(|it| short(&it.1)).or(axes);
-        match (self.points.first(), doubt) {
-            (Some((_, label)), Some(other)) if has_points && !chosen => bail!(
-                "{name}: '{}' and '{other}' could both hold the particles; choose an array with \
-                 --columns points=NAME",
-                short(label)
-            ),
-            _ => ensure!(
-                has_points || by_axes,
-                "{name} has no arrays x and y, and none ([frames,] N, 2 to 4)"
-            ),
+        let by_axes = matches!(self.axes, [Some(_), Some(_), _]);
+        let Some((usual, label)) = self.points.first().filter(|_| self.has_points()) else {
+            ensure!(by_axes, "{name} has no arrays x and y, and none ([frames,] N, 2 to 4)");
+            return Ok(());
+        };
+        let label = short(label);
+        let other = self.points.get(1);
+        // Beside discs z may be the third coordinate, beside spheres it is another number.
+        let axes = by_axes || self.is_flat() && self.axes.iter().any(Option::is_some);
+        let doubt = other.filter(|it| it.0 == *usual).map(|it| format!("'{}'", short(&it.1)));
+        let doubt = doubt.or((axes && (*usual || !by_axes)).then(|| "x, y, z".into()));
+        if let Some(other) = doubt.filter(|_| !chosen) {
+            bail!(
+                "{name}: '{label}' and {other} could both hold the particles; give --columns \
+                 points=NAME, or x=x,y=y,z=z"
+            );
         }
-        if let (Some((_, label)), Some((_, other)), false) =
-            (self.points.first(), others.next(), chosen)
-        {
-            self.unused.push(assumed!(
-                "the particles are those of '{}', and not of '{}'; --columns points=NAME changes this",
-                short(label),
-                short(other)
-            ));
+        let (taken, left) = match other {
+            _ if axes && !chosen => ("x, y, z".to_string(), label),
+            Some((_, other)) if !chosen => (format!("'{label}'"), short(other)),
+            _ => return Ok(()),
+        };
+        if axes {
+            (self.whole, self.frames) = (None, None);
         }
+        self.unused.push(assumed!(
+            "the particles are those of {taken}, and not of '{left}'; --columns points=NAME \
+             changes this"
+        ));
         Ok(())
+    }
+
+    fn has_points(&self) -> bool {
+        self.whole.is_some() || self.frames.is_some()
+    }
+
+    fn is_flat(&self) -> bool {
+        self.whole.iter().flatten().any(|whole| whole.0.dim() == 2)
+            || self.frames.iter().any(|frames| frames.sizes.last() == Some(&2))
     }
 
     fn frame(
@@ -199,7 +208,7 @@ impl Scenes {
                 points.kept(k);
                 npy::particles(source, points, options)?
             }
-            (None, Some(whole)) => whole,
+            (None, Some(whole)) => whole?,
             (None, None) => {
                 (npy::zip(std::mem::take(&mut self.axes), name)?, RadiusSource::Missing)
             }
