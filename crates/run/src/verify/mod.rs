@@ -12,8 +12,8 @@ mod listing;
 mod mistake;
 pub mod paired;
 
+use compare::Against;
 pub use compare::Taken;
-use compare::{Against, Compared};
 use listing::Listing;
 pub use listing::{Listed, Meaning, NamedPair, Naming};
 pub use mistake::{Mistake, Reading, explain};
@@ -62,7 +62,7 @@ pub struct Job<'a> {
     pub terms: Terms<'a>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Verification {
     pub truth: ContactList,
     pub errors: Errors,
@@ -120,23 +120,9 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
         false => ContactList::default(),
     };
     let against = Against { space, truth: &truth, near: &near, skin, kept };
-    let Compared { taken, errors, missed, spurious, repeated, selves, within_skin } =
-        against.hold(&listing);
+    let found = against.hold(&listing);
     let Listing { unknown, one_sided, .. } = listing;
-    Ok(Verification {
-        truth,
-        errors,
-        unknown,
-        missed: missed.pairs,
-        widest_gap: spurious.gap,
-        spurious: spurious.pairs,
-        repeated,
-        selves,
-        one_sided,
-        within_skin,
-        taken,
-        left_out,
-    })
+    Ok(Verification { truth, unknown, one_sided, left_out, ..found })
 }
 
 /// Returns errors by cause of a list whose contacts were decided in `arithmetic`; `None` without a
