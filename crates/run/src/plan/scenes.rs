@@ -162,18 +162,13 @@ fn axes(sweep: &SceneSweep, dim: u32) -> Vec<(&str, Vec<toml::Value>)> {
 }
 
 fn combinations(axes: &[(&str, Vec<toml::Value>)]) -> Vec<BTreeMap<String, toml::Value>> {
-    let mut all = vec![BTreeMap::new()];
-    for (name, values) in axes {
-        all = all
-            .into_iter()
-            .flat_map(|head| {
-                values.iter().map(move |value| {
-                    let mut head = head.clone();
-                    head.insert((*name).to_string(), value.clone());
-                    head
-                })
-            })
-            .collect();
-    }
-    all
+    axes.iter().fold(vec![BTreeMap::new()], |all, (name, values)| {
+        let with = |(head, value): (&BTreeMap<_, _>, &toml::Value)| {
+            let mut head = head.clone();
+            head.insert(name.to_string(), value.clone());
+            head
+        };
+        let pairs = all.iter().flat_map(|head| values.iter().map(move |value| (head, value)));
+        pairs.map(with).collect()
+    })
 }
