@@ -8,16 +8,7 @@ use crate::check::numbers::Numbers;
 use contactbench_ground::scene::AnyScene;
 use contactbench_io::write::{self, SceneFormat};
 
-macro_rules! kept {
-    ($($name:literal)*) => {
-        [$((
-            $name,
-            include_str!(concat!(env!("CONTACTBENCH_ROOT"), "/tests/regressions/", $name)),
-        )),*]
-    };
-}
-
-pub const KEPT: [(&str, &str); 5] = kept! {
+pub const KEPT: [(&str, &str); 5] = crate::files! { "/tests/regressions/", "":
     "far-apart.csv" "subnormal.csv" "tangent-3-4-5.csv" "three-discs.csv" "twice-around.xyz"
 };
 

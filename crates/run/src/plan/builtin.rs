@@ -10,16 +10,7 @@ use contactbench_record::experiment::Experiment;
 use contactbench_scenes::spec::GENERATORS;
 use contactbench_terms::nearest::hint;
 
-macro_rules! files {
-    ($($name:literal)*) => {
-        &[$((
-            $name,
-            include_str!(concat!(env!("CONTACTBENCH_ROOT"), "/experiments/", $name, ".toml")),
-        )),*]
-    };
-}
-
-pub const FILES: &[(&str, &str)] = files! {
+pub const FILES: &[(&str, &str)] = &crate::files! { "/experiments/", ".toml":
     "scaling" "book" "arithmetic" "speed-error" "hard-cases" "vectors" "scale" "sizes" "periodic"
     "motion" "rebuilds" "peers" "neighbours" "codes"
 };
