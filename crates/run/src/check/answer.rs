@@ -129,10 +129,9 @@ pub fn answer(
         },
         Ok(Err(refusal)) => Answer::Refused(refusal, reported),
         Err(cause) => {
-            if let Some(refusal) = no_memory(&*cause) {
-                return Answer::Wrong(Wrong::Panics(refusal.to_string()));
-            }
-            Answer::Wrong(Wrong::Panics(panic_text(&*cause).into()))
+            let refusal = no_memory(&*cause).map(|refusal| refusal.to_string());
+            let why = refusal.unwrap_or_else(|| panic_text(&*cause).into());
+            Answer::Wrong(Wrong::Panics(why))
         }
     }
 }
