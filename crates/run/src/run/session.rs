@@ -13,6 +13,7 @@ use crate::run::origins::{Origins, fingerprint};
 use crate::run::plan::{self, Job, Planned, describe};
 use crate::run::stage::{Log, Progress, Stage};
 use crate::run::subject::is_build;
+use contactbench_io::write;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;
 use contactbench_record::record::faults;
@@ -170,7 +171,7 @@ fn write_origin(
     };
     let texts: Vec<(String, String)> = asked.experiments.iter().map(full).collect();
     for (name, text) in &texts {
-        write(&copy(folder, name), text.as_bytes())?;
+        save(&copy(folder, name), text.as_bytes())?;
     }
     let file = if first || !folder.join(provenance::FILE).exists() {
         provenance::FILE.into()
@@ -184,7 +185,7 @@ fn write_origin(
     if let Some(base) = base {
         provenance[BASE] = base.into();
     }
-    write(&folder.join(file), provenance::text(&provenance)?.as_bytes())
+    save(&folder.join(file), provenance::text(&provenance)?.as_bytes())
 }
 
 fn other_build(path: &Path) -> anyhow::Result<PathBuf> {
@@ -288,9 +289,7 @@ fn previous(
     Ok(record)
 }
 
-fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    let part = path.with_extension("part");
-    std::fs::write(&part, bytes)
-        .and_then(|()| std::fs::rename(&part, path))
+fn save(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write::whole(path, |out| out.write_all(bytes))
         .with_context(|| format!("cannot write {}", path.display()))
 }

@@ -47,7 +47,7 @@ impl Stage<'_, '_> {
         bench: &mut Bench<'_>,
     ) -> anyhow::Result<()> {
         let mut row = Row { pass: Pass::Ceiling, block, ..running.blank.clone() };
-        let Some(start) = running.copy.as_ref().filter(|_| !self.index.has(&row)) else {
+        let Some(start) = running.subject.copy.as_ref().filter(|_| !self.index.has(&row)) else {
             return Ok(());
         };
         let answers = processors::apart(running.subject.threads)
@@ -66,7 +66,7 @@ impl Stage<'_, '_> {
         let (alone, answers, mut copies) = match answers {
             Ok(answers) => answers,
             Err(failure) => {
-                running.copy = None;
+                running.subject.copy = None;
                 // After a failure in block 1, copies are not tried again.
                 let row = if block == 1 { Row { block: 0, ..row } } else { row };
                 return self.fail(&row, copies_failed(failure), Pass::Ceiling.rest());

@@ -9,7 +9,7 @@ use crate::run::judge::{Said, Tracked};
 use crate::run::machine::interrupt;
 use crate::run::machine::processors;
 use crate::run::plan::describe;
-use crate::run::runner::client::{Client, Failure, Start};
+use crate::run::runner::client::{Client, Failure};
 use crate::run::runner::protocol::{Found, Hello, Reply, Request, Sample, Steps};
 use crate::run::stage::Stage;
 use crate::run::stage::bench::Bench;
@@ -27,8 +27,6 @@ pub(crate) struct Running {
     pub arithmetic: Arithmetic,
     pub hello: Hello,
     pub blank: Row,
-    /// The command that starts a copy with one thread; `None` if copies are not measured.
-    pub copy: Option<Start>,
 }
 
 impl Running {
@@ -108,7 +106,7 @@ impl Stage<'_, '_> {
             blank.stats.coordination = coordination(blank.id.n, contacts);
         }
         let hello = client.hello.clone();
-        let mut running = Running { subject, arithmetic, hello, blank, copy: None };
+        let mut running = Running { subject, arithmetic, hello, blank };
         for pass in [Pass::Count, Pass::Memory] {
             let mut row = Row { pass, ..running.blank.clone() };
             if self.index.has(&row) {
@@ -126,7 +124,7 @@ impl Stage<'_, '_> {
             }
             self.write(&row)?;
         }
-        running.copy = self.copy(&running)?;
+        running.subject.copy = self.copy(&running)?;
         Ok(Some(running))
     }
 
