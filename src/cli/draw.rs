@@ -4,10 +4,9 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::cli::shared::input;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
-use crate::cli::shared::terminal;
+use crate::cli::shared::{input, terminal};
 use contactbench_detectors::near::contacts;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::{ImagePair, Periodic};

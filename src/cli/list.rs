@@ -7,8 +7,7 @@ use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 
 use crate::cli::shared::terminal;
-use contactbench_detectors::table;
-use contactbench_detectors::table::TABLE;
+use contactbench_detectors::table::{self, TABLE};
 use contactbench_detectors::tracker;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_record::experiment::Experiment;

@@ -5,14 +5,12 @@ use std::collections::HashSet;
 use serde_json::json;
 
 use crate::cli::shared::output::Output;
-use contactbench_detectors::near;
-use contactbench_detectors::table;
+use contactbench_detectors::{near, table};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
 use contactbench_ground::limits::crowd::Crowd;
 use contactbench_ground::limits::refusal::Refusal;
-use contactbench_ground::periodic;
-use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::periodic::{self, ImagePair, Periodic};
 use contactbench_ground::scene::{Real, array};
 use contactbench_ground::with_scene;
 use contactbench_io::RadiusSource;

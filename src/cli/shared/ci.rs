@@ -7,8 +7,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 
 use contactbench_io::write;
-use contactbench_terms::text::html;
-use contactbench_terms::text::lines;
+use contactbench_terms::text::{html, lines};
 
 const CI: &str = "Continuous integration";
 

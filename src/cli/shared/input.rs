@@ -10,8 +10,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
 use crate::cli::shared::scene::WithIds;
 use contactbench_io as io;
-use contactbench_io::Given;
-use contactbench_io::{Boundaries, FileOption, FrameChoice, Notice};
+use contactbench_io::{Boundaries, FileOption, FrameChoice, Given, Notice};
 use contactbench_scenes::origin::Origin;
 use contactbench_scenes::spec::{GENERATORS, Spec};
 use contactbench_terms::nearest::{hint, nearest};

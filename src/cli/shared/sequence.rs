@@ -7,8 +7,7 @@ use anyhow::{Context, ensure};
 use crate::cli::shared::input;
 use crate::cli::shared::scene::Source;
 use contactbench_io as io;
-use contactbench_io::FrameChoice;
-use contactbench_io::Given;
+use contactbench_io::{FrameChoice, Given};
 use contactbench_run::tracking::Recorded;
 use contactbench_scenes::motion::{self, Frames, Motion, MotionKind};
 

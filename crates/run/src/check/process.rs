@@ -19,8 +19,7 @@ use crate::run::runner::trajectory::Trajectory;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::limits::memory::most_of_one;
 use contactbench_ground::periodic::ContactList;
-use contactbench_io::Given;
-use contactbench_io::exchange;
+use contactbench_io::{Given, exchange};
 use contactbench_record::record::row::Outcome;
 
 /// Maximum address space of a runner in bytes; enough for an interpreter and its libraries.

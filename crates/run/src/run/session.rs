@@ -7,8 +7,7 @@ use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
 use crate::plan::{builtin, detectors};
-use crate::run::machine::interrupt;
-use crate::run::machine::temporary;
+use crate::run::machine::{interrupt, temporary};
 use crate::run::origins::{Origins, fingerprint};
 use crate::run::plan::{self, Job, Planned, describe};
 use crate::run::stage::{Log, Progress, Stage};
@@ -17,12 +16,11 @@ use contactbench_io::write;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;
 use contactbench_record::record::faults;
-use contactbench_record::record::folder::copies;
 use contactbench_record::record::folder::done::{Index, TooSlow};
 use contactbench_record::record::folder::ledger::{self, Ledger};
+use contactbench_record::record::folder::{self, copies};
 use contactbench_record::record::origin::{machines, provenance};
-use contactbench_record::record::row::{Record, Row, Writer};
-use contactbench_record::record::{folder, row};
+use contactbench_record::record::row::{self, Record, Row, Writer};
 
 pub struct Asked {
     pub experiments: Vec<(Experiment, String)>,

@@ -3,9 +3,8 @@
 use anyhow::{Context, bail, ensure};
 
 use contactbench_ground::scene::Lattice;
-use contactbench_io::Given;
 use contactbench_io::boxes::along;
-use contactbench_io::{About, Particles};
+use contactbench_io::{About, Given, Particles};
 
 /// Frames of the same particles, with the same periodic axes. Particles are identified and sorted
 /// by their ids; a file without ids must keep their order.

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::verify::{self, Allowed, Job, Listed, Meaning, Naming, Reading};
-use crate::verify::{Terms, Verification};
+use crate::verify::{self, Allowed, Job, Listed, Meaning, Naming, Reading, Terms, Verification};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::Periodic;
 use contactbench_ground::scene::{AnyScene, Lattice};

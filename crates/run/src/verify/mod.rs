@@ -21,12 +21,10 @@ pub use mistake::{Mistake, Reading, explain};
 use crate::run::judge::{Judge, Said};
 use crate::run::runner::protocol::Found;
 use contactbench_detectors::near::contacts;
-use contactbench_detectors::oracle;
-use contactbench_detectors::oracle::{Causes, Errors, NoTruth};
+use contactbench_detectors::oracle::{self, Causes, Errors, NoTruth};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::{ContactList, ImagePair, Periodic};
-use contactbench_io::Given;
-use contactbench_io::{Groups, boxes};
+use contactbench_io::{Given, Groups, boxes};
 use contactbench_scenes::touching::gap;
 
 /// Maximum number of kept pairs of each kind, missed or spurious, by default.

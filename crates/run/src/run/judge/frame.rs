@@ -5,14 +5,11 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use crate::run::judge::{Nothing, kept, nothing};
-use contactbench_detectors::oracle;
-use contactbench_detectors::oracle::boxes;
 use contactbench_detectors::oracle::loaded::depth;
-use contactbench_detectors::oracle::{Causes, Errors, NoTruth, compare_by};
+use contactbench_detectors::oracle::{self, Causes, Errors, NoTruth, boxes, compare_by};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::pairs::sink::Digest;
-use contactbench_ground::periodic::Loaded;
-use contactbench_ground::periodic::{ContactList, ImagePair};
+use contactbench_ground::periodic::{ContactList, ImagePair, Loaded};
 use contactbench_io::Given;
 
 pub(super) struct JudgedFrame<'a> {

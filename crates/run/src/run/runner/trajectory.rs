@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::run::machine::interrupt;
 use contactbench_ground::scene::Lattice;
-use contactbench_io::Given;
-use contactbench_io::exchange;
+use contactbench_io::{Given, exchange};
 use contactbench_scenes::motion::Frames;
 
 /// The files of a trajectory. A runner keeps only one frame in memory.

@@ -36,8 +36,7 @@ use contactbench_record::record::id::CellId;
 use contactbench_record::record::row::{Outcome, Pass, Row, Writer};
 use contactbench_scenes::generate::hard;
 use contactbench_scenes::spec::Spec;
-use contactbench_scenes::stats;
-use contactbench_scenes::stats::Stats;
+use contactbench_scenes::stats::{self, Stats};
 use contactbench_terms::mix::splitmix64;
 
 pub trait Progress {

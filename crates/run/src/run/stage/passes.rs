@@ -6,8 +6,7 @@
 //! would repeat the same position, and make equal code look different.
 
 use crate::run::judge::{Said, Tracked};
-use crate::run::machine::interrupt;
-use crate::run::machine::processors;
+use crate::run::machine::{interrupt, processors};
 use crate::run::plan::describe;
 use crate::run::runner::client::{Client, Failure};
 use crate::run::runner::protocol::{Found, Hello, Reply, Request, Sample, Steps};
