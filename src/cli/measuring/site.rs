@@ -3,7 +3,6 @@
 use std::fs::DirEntry;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 
@@ -28,7 +27,7 @@ pub struct Site {
     address: Option<String>,
 }
 
-pub fn site(options: &Site) -> anyhow::Result<ExitCode> {
+pub fn site(options: &Site) -> anyhow::Result<()> {
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let Site { folder, out, address } = options;
     let holds = std::fs::read_dir(out).is_ok_and(|mut entries| entries.next().is_some());
@@ -54,7 +53,7 @@ pub fn site(options: &Site) -> anyhow::Result<ExitCode> {
     let (pages, records) = (plural(pages.count(), "page"), plural(given.len(), "record"));
     let index = out.join("index.html");
     writeln!(terminal::out(), "{pages} of {records}: {}", index.display())?;
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// Removes records that are equal to an earlier one, and returns a note on each.

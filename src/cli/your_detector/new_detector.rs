@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 
@@ -41,7 +40,7 @@ struct Names {
 type Change = (&'static str, PathBuf, String);
 
 /// Writes the module of a new detector and its entries. Nothing is written unless all can be made.
-pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
+pub fn new_detector(options: &NewDetector) -> anyhow::Result<()> {
     let names = names(&options.name)?;
     let mut out = terminal::out();
     // The module comes first. Without its entries it would stop a second try.
@@ -62,7 +61,7 @@ pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
     ] {
         writeln!(out, "  {command:<48} {meaning}")?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 fn names(given: &str) -> anyhow::Result<Names> {

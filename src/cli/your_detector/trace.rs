@@ -1,5 +1,4 @@
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -27,7 +26,7 @@ fn algorithm() -> impl TypedValueParser<Value = Algorithm> {
 }
 
 /// Writes the page, and prints a summary on standard error.
-pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
+pub fn trace(options: &Trace) -> anyhow::Result<()> {
     let Trace { detector, source, out } = options;
     let (name, scene) = match source.scene.is_some() || source.input.is_said() {
         true => {
@@ -45,5 +44,5 @@ pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
         detector.name(),
         out.display()
     );
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
