@@ -165,7 +165,7 @@ impl<'a> Judge<'a> {
         let (mut judge, mut survey) =
             (Judge::of(Some(trajectory), memory_limit), Survey::default());
         let found = judge.right(Arithmetic::Exact, |given, truths| {
-            let truth = truths.own.contacts.sorted(given.scene.len(), u64::MAX);
+            let truth = truths.own.sorted(given.scene.len(), u64::MAX);
             let truth = truth.map_err(NoTruth::from)?;
             survey.take(&in_any_box(given)?, &truth);
             Ok(())
@@ -297,7 +297,7 @@ impl<'a> Judge<'a> {
             interrupt::check()?;
             let frame = self.frame(k)?;
             let (truths, differs) = (frame.known(arithmetic)?, frame.compare(arithmetic, None)?);
-            all.push(Right { digest: truths.own.digest, differs });
+            all.push(Right { digest: truths.own.digest(), differs });
             each(&frame.given, &truths)?;
         }
         Ok(all)
@@ -340,7 +340,7 @@ fn late(
     known: &Truths,
     reported: Option<Vec<ImagePair>>,
 ) -> anyhow::Result<()> {
-    let truth = sorted(&known.own.contacts, known, u64::MAX)?;
+    let truth = sorted(&known.own, known, u64::MAX)?;
     let depth = |pair| depth(&known.stored, pair);
     late.take(k as u64, depth, reported.as_ref().unwrap_or(&truth), &truth);
     Ok(())
