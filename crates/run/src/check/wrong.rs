@@ -60,13 +60,8 @@ impl Differences {
 impl fmt::Display for Differences {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Differences { missed, spurious, selves, duplicate } = self;
-        write!(
-            f,
-            "{} missed, {} spurious, {} duplicate pairs",
-            missed.len(),
-            spurious.len(),
-            duplicate.len()
-        )?;
+        let [misses, added, repeated] = [missed, spurious, duplicate].map(Vec::len);
+        write!(f, "{misses} missed, {added} spurious, {repeated} duplicate pairs")?;
         if !selves.is_empty() {
             write!(f, ", {} of a particle with itself", selves.len())?;
         }
@@ -77,14 +72,9 @@ impl fmt::Display for Differences {
             ("duplicate", duplicate),
         ] {
             if !pairs.is_empty() {
-                let shown: Vec<String> =
-                    pairs.iter().take(SHOWN).map(ImagePair::to_string).collect();
-                write!(
-                    f,
-                    "; {kind} {}{}",
-                    shown.join(" "),
-                    if pairs.len() > SHOWN { " ..." } else { "" }
-                )?;
+                let shown = pairs.iter().take(SHOWN).map(ImagePair::to_string);
+                let more = if pairs.len() > SHOWN { " ..." } else { "" };
+                write!(f, "; {kind} {}{more}", shown.collect::<Vec<_>>().join(" "))?;
             }
         }
         Ok(())
@@ -107,19 +97,15 @@ impl fmt::Display for Wrong {
             Wrong::Dies { how, .. } => write!(f, "it dies: {how}"),
             Wrong::Fails(what) => write!(f, "it {what}"),
             Wrong::Breaks(what) => write!(f, "it breaks the protocol: {what}"),
-            Wrong::Counts { said, truth } if said.contacts == truth.contacts => {
-                write!(
-                    f,
-                    "it finds the right number of pairs ({}), but other pairs, which are not known",
-                    said.contacts
-                )
-            }
             Wrong::Counts { said, truth } => {
-                write!(
-                    f,
-                    "it finds {} pairs instead of {}, which are not known",
-                    said.contacts, truth.contacts
-                )
+                let (said, truth) = (said.contacts, truth.contacts);
+                match said == truth {
+                    true => {
+                        write!(f, "it finds the right number of pairs ({said}), but other pairs")?
+                    }
+                    false => write!(f, "it finds {said} pairs instead of {truth}")?,
+                }
+                f.write_str(", which are not known")
             }
         }
     }
