@@ -47,15 +47,11 @@ impl Contacts {
         }
         let pairs = match near::contacts(periodic, limit) {
             Ok(pairs) => pairs,
-            Err(error) => {
-                return match error {
-                    Refusal::Pairs { found, .. } => {
-                        Contacts::TooMany(2.0 * found as f64 / n as f64)
-                    }
-                    Refusal::Crowd { each, .. } => Contacts::TooMany(each),
-                    error => Contacts::Refused(error.to_string()),
-                };
+            Err(Refusal::Pairs { found, .. }) => {
+                return Contacts::TooMany(2.0 * found as f64 / n as f64);
             }
+            Err(Refusal::Crowd { each, .. }) => return Contacts::TooMany(each),
+            Err(error) => return Contacts::Refused(error.to_string()),
         };
         let depths = pairs.iter().map(|&pair| periodic::depth(periodic, pair));
         let (near, overlap) = depths.fold((0, 0.0), |(near, sum), depth| {

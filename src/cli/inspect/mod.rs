@@ -62,10 +62,8 @@ fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Ou
     let what = if dim == 2 { "discs (2D)" } else { "spheres (3D)" };
     out.line("particles", format!("{n} {what}"), json!({ "n": n, "dim": dim }));
     let About { frames, frame, .. } = *about;
-    let which = match frames {
-        1 => String::new(),
-        _ => format!("; read: frame {frame} (numbered from 0)"),
-    };
+    let read = format!("; read: frame {frame} (numbered from 0)");
+    let which = if frames == 1 { "" } else { &read };
     out.line("frames", format!("{frames}{which}"), json!({ "frames": frames, "frame": frame }));
     if frames > 1 && options.input.frame != Some(FrameChoice::All) {
         out.warn(format!(

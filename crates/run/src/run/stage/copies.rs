@@ -126,10 +126,8 @@ fn together(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
     };
     std::thread::scope(|scope| {
         let threads: Vec<_> = copies.iter_mut().map(|copy| scope.spawn(|| work(copy))).collect();
-        let failed = || Failure {
-            outcome: Outcome::Crashed,
-            reason: "a thread of the harness ended unexpectedly".into(),
-        };
+        let reason = "a thread of the harness ended unexpectedly";
+        let failed = || Failure { outcome: Outcome::Crashed, reason: reason.into() };
         threads.into_iter().map(|thread| thread.join().unwrap_or_else(|_| Err(failed()))).collect()
     })
 }

@@ -234,11 +234,8 @@ impl Stage<'_, '_> {
         };
         for subject in subjects {
             let blank = subject.blank(self.experiment, self.spec, None, &Stats::default());
-            self.fail(
-                &blank,
-                Failure { outcome: Outcome::Refused, reason: format!("invalid scene: {invalid}") },
-                &[Pass::Count],
-            )?;
+            let reason = format!("invalid scene: {invalid}");
+            self.fail(&blank, Failure { outcome: Outcome::Refused, reason }, &[Pass::Count])?;
         }
         Ok(())
     }
