@@ -5,28 +5,33 @@ use contactbench_detectors::oracle::loaded::{Difference, differences};
 use contactbench_ground::pairs::sink::Digest;
 use contactbench_ground::periodic::ImagePair;
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Wrong {
+    #[error("{0}")]
     Pairs(Differences),
+    #[error("it refuses after it has reported {0} pairs")]
     /// The detector refuses the scene after reporting this many pairs.
     RefusesLate(u64),
+    #[error("it panics: {}", .0.lines().next().unwrap_or_default())]
     Panics(String),
+    #[error("it hangs: not ready after {} s", .0.as_secs_f64())]
     Hangs(Duration),
+    #[error("it dies: {how}")]
     Dies {
         /// The cause of the runner's end and its last words, in one sentence. `errors` is the end
         /// of its standard error.
         how: String,
         errors: String,
     },
+    #[error("it breaks the protocol: {0}")]
     Breaks(String),
+    #[error("it {0}")]
     /// A function failed. The text describes how, for example `raises an error`.
     Fails(String),
+    #[error("it finds {}, which are not known", unknown(said.contacts, truth.contacts))]
     /// The digest is wrong, and the pairs are unknown, because the runner does not write them or
     /// there are too many.
-    Counts {
-        said: Digest,
-        truth: Digest,
-    },
+    Counts { said: Digest, truth: Digest },
 }
 
 /// Errors of a contact list. Each pair has the smaller index first; images are 0 in open space.
@@ -81,34 +86,10 @@ impl fmt::Display for Differences {
     }
 }
 
-impl fmt::Display for Wrong {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Wrong::Pairs(differences) => differences.fmt(f),
-            Wrong::RefusesLate(reported) => {
-                write!(f, "it refuses after it has reported {reported} pairs")
-            }
-            Wrong::Panics(message) => {
-                write!(f, "it panics: {}", message.lines().next().unwrap_or_default())
-            }
-            Wrong::Hangs(deadline) => {
-                write!(f, "it hangs: not ready after {} s", deadline.as_secs_f64())
-            }
-            Wrong::Dies { how, .. } => write!(f, "it dies: {how}"),
-            Wrong::Fails(what) => write!(f, "it {what}"),
-            Wrong::Breaks(what) => write!(f, "it breaks the protocol: {what}"),
-            Wrong::Counts { said, truth } => {
-                let (said, truth) = (said.contacts, truth.contacts);
-                match said == truth {
-                    true => {
-                        write!(f, "it finds the right number of pairs ({said}), but other pairs")?
-                    }
-                    false => write!(f, "it finds {said} pairs instead of {truth}")?,
-                }
-                f.write_str(", which are not known")
-            }
-        }
+/// Formats numbers of pairs that are found, while the pairs are not known.
+fn unknown(said: u64, truth: u64) -> String {
+    match said == truth {
+        true => format!("the right number of pairs ({said}), but other pairs"),
+        false => format!("{said} pairs instead of {truth}"),
     }
 }
-
-impl std::error::Error for Wrong {}
