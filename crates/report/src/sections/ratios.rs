@@ -30,7 +30,7 @@ pub fn headline(found: &Ratios, disturbed: bool) -> Text {
     if let (Some(least), Some(most)) = (ratios.clone().reduce(f64::min), ratios.reduce(f64::max)) {
         rest += &format!(": that library takes {} to {} times as long", times(least), times(most));
     }
-    Text::new().strong(words).plain(rest + ".")
+    Text::default().strong(words).plain(rest + ".")
 }
 
 pub fn section(about: &About<'_>) -> Option<Section> {

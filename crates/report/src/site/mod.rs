@@ -185,9 +185,7 @@ impl<'a> Record<'a> {
         }
         page::legend(facts.cells, &facts.styles) + &document::html(&blocks)
     }
-}
 
-impl Record<'_> {
     /// Returns links to the files of the record below this address.
     fn data(&self, address: &str) -> String {
         let link = |file: &&str| {
