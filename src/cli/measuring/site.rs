@@ -61,10 +61,8 @@ fn copies(given: &mut Vec<Given>) -> Vec<String> {
     let (mut kept, mut notes) = (Vec::<Given>::new(), Vec::new());
     let origin = |record: &Given| std::fs::read(record.folder.join(provenance::FILE)).ok();
     for record in std::mem::take(given) {
-        match kept
-            .iter()
-            .find(|known| known.rows == record.rows && origin(known) == origin(&record))
-        {
+        let same = |it: &&Given| it.rows == record.rows && origin(it) == origin(&record);
+        match kept.iter().find(same) {
             Some(known) => notes.push(format!(
                 "{} is a copy of {} and is left out",
                 record.folder.display(),

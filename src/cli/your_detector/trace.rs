@@ -36,13 +36,8 @@ pub fn trace(options: &Trace) -> anyhow::Result<()> {
     };
     let trace = run(*detector, scene.as_ref())?;
     terminal::save(out, page::html(&trace, &name).as_bytes(), "-o")?;
-    say!(
-        "{name}: N = {}, {} contacts, {} steps of {}; {}",
-        trace.discs.len(),
-        trace.contacts.len(),
-        trace.steps.len() - 1,
-        detector.name(),
-        out.display()
-    );
+    let [n, contacts, steps] = [trace.discs.len(), trace.contacts.len(), trace.steps.len() - 1];
+    let (detector, out) = (detector.name(), out.display());
+    say!("{name}: N = {n}, {contacts} contacts, {steps} steps of {detector}; {out}");
     Ok(())
 }

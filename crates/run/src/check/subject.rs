@@ -68,10 +68,6 @@ impl CheckedSubject {
             CheckedSubject::Function { ask, .. } => Box::new(Called(ask.clone())),
         })
     }
-
-    pub(super) fn is_slow_to_make(&self) -> bool {
-        matches!(self, CheckedSubject::Runner(_))
-    }
 }
 
 struct Called(Arc<Function>);

@@ -61,13 +61,10 @@ impl First {
     fn same(&self, particles: &Particles) -> anyhow::Result<()> {
         let remedy = "a motion needs the same particles: write all of them in every frame, or use \
                       only the frames before (--frames)";
+        let (n, dim, First { len, dim: first, .. }) = (particles.len(), particles.dim(), self);
         ensure!(
-            particles.len() == self.len && particles.dim() == self.dim,
-            "{} particles in {}D, and {} in {}D in the first frame; {remedy}",
-            particles.len(),
-            particles.dim(),
-            self.len,
-            self.dim
+            n == *len && dim == *first,
+            "{n} particles in {dim}D, and {len} in {first}D in the first frame; {remedy}"
         );
         let repeats = repeats(particles);
         ensure!(

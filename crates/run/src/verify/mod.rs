@@ -149,13 +149,10 @@ fn truth(space: &Periodic<'_>, arithmetic: Arithmetic, limit: u64) -> Result<Con
 
 /// Returns all pairs whose gap is at most `most` (a length), sorted.
 fn within(space: &Periodic<'_>, most: f64, limit: u64) -> anyhow::Result<ContactList> {
-    let near = contacts(&space.resized(|r| with_skin(r, most))?, limit)?;
+    // At these radii, particles touch if the gap between them is at most `most`.
+    let wide = space.resized(|r| ((r + most / 2.0) * (1.0 + 1e-9)).min(f64::MAX))?;
+    let near = contacts(&wide, limit)?;
     Ok(near.into_iter().filter(|&pair| gap(space, pair) <= most).collect())
-}
-
-/// Returns a radius at which particles touch if the gap between them is at most `skin`.
-fn with_skin(r: f64, skin: f64) -> f64 {
-    ((r + skin / 2.0) * (1.0 + 1e-9)).min(f64::MAX)
 }
 
 #[cfg(test)]

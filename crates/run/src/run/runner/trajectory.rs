@@ -113,11 +113,6 @@ impl Trajectory {
         Trajectory { frames, dim, n, radius, in_box, ..Trajectory::default() }
     }
 
-    pub fn remove(&self) {
-        // Files that cannot be removed now are removed with the temporary folder.
-        self.frames.iter().for_each(|path| drop(std::fs::remove_file(path)));
-    }
-
     /// Returns the dimension of the box, if there is one; contacts then have images.
     pub fn box_dim(&self) -> Option<usize> {
         (self.in_box.is_some() || !self.boxes.is_empty()).then_some(self.dim as usize)

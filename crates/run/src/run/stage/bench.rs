@@ -109,7 +109,9 @@ impl<'a> Bench<'a> {
     /// Removes the files of a motion, which may be large.
     pub fn remove(&self) {
         if self.is_moving {
-            self.loads.iter().for_each(Trajectory::remove);
+            // Files that cannot be removed now are removed with the temporary folder.
+            let files = self.loads.iter().flat_map(|trajectory| &trajectory.frames);
+            files.for_each(|path| drop(std::fs::remove_file(path)));
         }
     }
 }

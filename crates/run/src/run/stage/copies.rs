@@ -69,7 +69,8 @@ impl Stage<'_, '_> {
                 running.subject.copy = None;
                 // After a failure in block 1, copies are not tried again.
                 let row = if block == 1 { Row { block: 0, ..row } } else { row };
-                return self.fail(&row, copies_failed(failure), Pass::Ceiling.rest());
+                let reason = format!("of the copies: {}", failure.reason);
+                return self.fail(&row, Failure { reason, ..failure }, Pass::Ceiling.rest());
             }
         };
         if let Some(copy) = copies.first() {
@@ -101,10 +102,6 @@ fn each_alone(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
         samples.extend(together(copy)?);
     }
     Ok(samples)
-}
-
-fn copies_failed(failure: Failure) -> Failure {
-    Failure { reason: format!("of the copies: {}", failure.reason), ..failure }
 }
 
 /// Takes one sample of all copies, started together. A copy that is done continues detecting until
