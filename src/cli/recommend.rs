@@ -124,11 +124,8 @@ fn program() -> anyhow::Result<Vec<String>> {
 
 /// Returns the scenes that a hard case runs before its own; empty for any other scene.
 fn history(name: &str) -> anyhow::Result<Vec<Given>> {
-    if Path::new(name).exists() {
-        Ok(Vec::new())
-    } else {
-        Spec::parse(name).map_or(Ok(Vec::new()), |spec| spec.history())
-    }
+    let spec = Spec::parse(name).ok().filter(|_| !Path::new(name).exists());
+    spec.map_or(Ok(Vec::new()), |spec| spec.history())
 }
 
 /// Returns all detectors, the fastest first, and those without a time last.

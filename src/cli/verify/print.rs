@@ -106,28 +106,18 @@ fn conditions(out: &mut Output, all: &All) {
     let within = all.rows.iter().map(|row| row.within_skin).sum();
     let first: Vec<String> = matched.left_out.iter().take(6).map(u64::to_string).collect();
     let more = if matched.left_out.len() > first.len() { " …" } else { "" };
+    let left_out = counted(contacts, "contact");
+    let left_out = format!("left out: {left_out}, {} of the list", counted(pairs, "pair"));
+    let assumed = String::from("assumed to have no contacts, because the list has no rows: ");
     let without = plural(matched.left_out.len(), "frame");
     for (count, words) in [
         (all.others.len() as u64, format!("ignored: {}", pairs::columns_of(&all.others))),
-        (
-            contacts + pairs,
-            format!(
-                "left out: {}, {} of the list",
-                counted(contacts, "contact"),
-                counted(pairs, "pair")
-            ),
-        ),
+        (contacts + pairs, left_out),
         (
             first.len() as u64,
             format!("left out: {without} without a list: {}{more}", first.join(" ")),
         ),
-        (
-            matched.without_rows,
-            format!(
-                "assumed to have no contacts, because the list has no rows: {}",
-                counted(matched.without_rows, "frame")
-            ),
-        ),
+        (matched.without_rows, assumed + &counted(matched.without_rows, "frame")),
         (within, format!("allowed within the skin: {}", counted(within, "pair"))),
     ] {
         if count > 0 {

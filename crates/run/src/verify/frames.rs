@@ -60,10 +60,6 @@ pub struct All {
 }
 
 impl All {
-    pub fn new(several: bool) -> All {
-        All { several, ..All::default() }
-    }
-
     /// Compares a frame with its list.
     ///
     /// # Errors
@@ -152,11 +148,6 @@ impl All {
             images.map(|contact| depth(&verified.space, contact)).reduce(f64::max)
         };
         self.late.note(self.rows.len() as u64, &names, depth_of);
-    }
-
-    /// Completes the results after the last frame.
-    pub fn end(&mut self) {
-        self.late.end();
     }
 
     pub fn is_same(&self) -> bool {

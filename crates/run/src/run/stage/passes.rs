@@ -84,10 +84,7 @@ impl Stage<'_, '_> {
         }
         let (mut client, arithmetic) = match start(&subject) {
             Ok(started) => started,
-            Err(failure) => {
-                self.fail(&blank, failure, &Pass::ALL)?;
-                return Ok(None);
-            }
+            Err(failure) => return self.fail(&blank, failure, &Pass::ALL).map(|()| None),
         };
         // A runner reports its arithmetic only when it is started.
         blank.id.arithmetic = arithmetic.name().into();
@@ -96,8 +93,7 @@ impl Stage<'_, '_> {
             return Ok(None);
         }
         if let Err(failure) = bench.load(&mut client) {
-            self.fail(&blank, failure, &Pass::ALL)?;
-            return Ok(None);
+            return self.fail(&blank, failure, &Pass::ALL).map(|()| None);
         }
         // The scene was counted by the closed rule.
         if arithmetic.exact() != Arithmetic::Exact {
@@ -114,8 +110,7 @@ impl Stage<'_, '_> {
             let found = match measure(&mut client, &mut row) {
                 Ok(found) => found,
                 Err(failure) => {
-                    self.fail(&running.blank, failure, pass.rest())?;
-                    return Ok(None);
+                    return self.fail(&running.blank, failure, pass.rest()).map(|()| None);
                 }
             };
             if let Some(found) = found {
