@@ -78,6 +78,8 @@ impl Plot {
             });
             let name = across.as_deref().unwrap_or_default();
             let panels = columns.iter().map(|((_, value), cells)| {
+                let shown =
+                    |it: &AxisValue| it.number().map_or_else(|| it.to_string(), axis::plain);
                 let title = value.as_ref().map(|value| format!("{name} = {}", shown(value)));
                 Panel::new(title.unwrap_or_default(), cells, options.against, &arithmetics)
             });
@@ -136,10 +138,6 @@ fn across(options: &SpeedError, cells: &[&Cell]) -> Option<String> {
         cells.iter().filter_map(|cell| cell.id.axis(name)).collect::<BTreeSet<_>>().len()
     };
     label::swept(cells).into_iter().max_by_key(values)
-}
-
-fn shown(value: &AxisValue) -> String {
-    value.number().map_or_else(|| value.to_string(), axis::plain)
 }
 
 /// Returns the name that decides the colour of a mark.
