@@ -1,5 +1,4 @@
 use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 use std::io::Write;
 
 use clap::ValueEnum;
@@ -104,14 +103,12 @@ fn lines(item: &Value, thing: &str, known: &mut BTreeMap<String, String>) -> Vec
             ("name", _) | (_, Value::Bool(false)) => {}
             ("parameters", Value::Array(all)) => {
                 for it in all {
-                    match known.entry(parameter(it)) {
-                        Entry::Occupied(of) => {
-                            again.entry(of.get().clone()).or_default().push(words(&it["name"]));
-                        }
-                        Entry::Vacant(new) => {
-                            lines.push(new.key().clone());
-                            new.insert(thing.into());
-                        }
+                    let line = parameter(it);
+                    if let Some(of) = known.get(&line) {
+                        again.entry(of.clone()).or_default().push(words(&it["name"]));
+                    } else {
+                        lines.push(line.clone());
+                        known.insert(line, thing.into());
                     }
                 }
             }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow};
 
-use crate::plan::{self, text_of};
+use crate::plan;
 use contactbench_record::experiment::Experiment;
 use contactbench_scenes::spec::GENERATORS;
 use contactbench_terms::nearest::hint;
@@ -42,7 +42,7 @@ pub fn find(name: &str) -> anyhow::Result<(Experiment, String)> {
             known.join(", ")
         ));
     }
-    let read = text_of(path).and_then(|text| Ok((plan::read(path)?, text)));
+    let read = plan::read(path);
     if path.extension().is_some_and(|ending| ending == "toml") {
         return read;
     }
