@@ -116,10 +116,7 @@ pub fn run(
     let log = Log { record, origins, progress, too_slow, noted, span: None, latest: Vec::new() };
     measure(&job, &scenes, &done.rows, scenes_folder.path(), log).map_err(|error| {
         let of_disk = |cause: &(dyn std::error::Error + 'static)| cause.is::<std::io::Error>();
-        match error.chain().any(of_disk) {
-            true => Stopped(error).into(),
-            false => error,
-        }
+        if error.chain().any(of_disk) { Stopped(error).into() } else { error }
     })?;
     Ok(scenes.len())
 }

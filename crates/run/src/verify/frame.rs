@@ -125,10 +125,7 @@ impl Verified {
         let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
         let job = Job { space: &space, list: listed, naming: &naming, others: &others, terms };
         let found = verify::verify(&job)?;
-        let hint = match explain {
-            true => verify::explain(&job, &found)?,
-            false => None,
-        };
+        let hint = if explain { verify::explain(&job, &found)? } else { None };
         Ok(Verified { list, naming: naming.meaning(), ids, space, found, hint })
     }
 

@@ -117,7 +117,7 @@ impl Stage<'_, '_> {
                 format!("{others} of {} turns gave another answer than the last", turns.len());
             // The row's errors are removed, because they describe only the last turn.
             (row.errors, row.causes, row.course) = (None, None, None);
-            self.note_wrong(&row);
+            self.note_first("WRONG", &row, &row.reason);
         }
         self.write(&row)?;
         Ok(Some(running))

@@ -152,16 +152,13 @@ impl Stage<'_, '_> {
             (row.time_ns, row.first_ns, row.pulse_ns) = (None, None, None);
         }
         if row.outcome == Outcome::Wrong {
-            self.note_wrong(row);
+            self.note_first("WRONG", row, &row.reason);
         }
         Ok(())
     }
 
-    /// Prints the first wrong answer of each detector at once; the report counts all of them.
-    pub fn note_wrong(&mut self, row: &Row) {
-        self.note_first("WRONG", row, &row.reason);
-    }
-
+    /// Prints the first wrong answer or crash of each detector at once; the report counts all of
+    /// them.
     pub fn note_first(&mut self, what: &str, row: &Row, reason: &str) {
         let head = format!("{what}: {}", row.id.subject());
         if self.log.noted.insert(head.clone()) {
