@@ -16,7 +16,7 @@
 //! that this method needs. Particles are added until the bytes end.
 
 use crate::check::numbers::Numbers;
-use contactbench_ground::scene::{AnyScene, SceneError};
+use contactbench_ground::scene::AnyScene;
 
 const MOST: usize = 64;
 
@@ -169,15 +169,6 @@ impl<'a> Maker<'a> {
         }
         Some(place)
     }
-
-    fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
-        // Equal radii are not merged, because detectors have separate code for a radius per
-        // particle.
-        match self.mixed {
-            true => self.numbers.scene_of(self.numbers.radii().collect::<Vec<_>>()),
-            false => self.numbers.scene_of(self.radius),
-        }
-    }
 }
 
 pub fn nudged(x: f64, steps: i32) -> f64 {
@@ -194,7 +185,11 @@ pub fn scene_from_bytes(data: &[u8]) -> Option<AnyScene<'static>> {
         |(k, x): (usize, &f64)| x.is_finite() && (k % numbers.stride() != numbers.dim || *x >= 0.0);
     let valid =
         (maker.mixed || maker.radius.is_finite()) && numbers.values.iter().enumerate().all(valid);
-    let scene = maker.scene();
+    // Equal radii are not merged, because detectors have separate code for a radius per particle.
+    let scene = match maker.mixed {
+        true => numbers.scene_of(numbers.radii().collect::<Vec<_>>()),
+        false => numbers.scene_of(maker.radius),
+    };
     assert!(scene.is_ok() == valid, "valid: {valid}, but {:?} for {numbers:?}", scene.err());
     scene.ok()
 }
