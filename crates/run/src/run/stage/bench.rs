@@ -21,7 +21,7 @@ use contactbench_scenes::motion::Frames;
 pub(crate) struct Bench<'a> {
     pub judge: Judge<'a>,
     /// The scenes that each process loads, one after the other.
-    loads: Vec<Trajectory>,
+    pub loads: Vec<Trajectory>,
     folder: &'a Path,
     pub is_moving: bool,
 }
@@ -86,11 +86,6 @@ impl<'a> Bench<'a> {
             }
         }
         load(client, last)
-    }
-
-    /// Whether each process loads other scenes first.
-    pub fn has_history(&self) -> bool {
-        self.loads.len() > 1
     }
 
     /// Judges an answer of a runner; pairs are read only if they are needed.
