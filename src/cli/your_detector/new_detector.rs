@@ -90,9 +90,9 @@ fn names(given: &str) -> anyhow::Result<Names> {
 }
 
 /// Words that cannot name a module, or whose type the code of a detector uses.
-const RESERVED: &str = "as async await box break const continue crate detector do dyn else enum extern false fn \
-    for if impl in let loop match mod move mut option options particles probe pub refusal \
-    ref return self sink static struct use vec";
+const RESERVED: &str = "as async await box break const continue crate detector do dyn else \
+    enum extern false fn for if impl in let loop match mod move mut option options particles \
+    probe pub refusal ref return self sink static struct use vec";
 
 fn changes(root: &Path, names: &Names) -> anyhow::Result<[Change; 3]> {
     let folder = root.join(FOLDER);
