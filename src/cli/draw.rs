@@ -1,13 +1,11 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::cli::shared::input;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
-use crate::cli::shared::terminal;
+use crate::cli::shared::{input, terminal};
 use contactbench_detectors::near::contacts;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::{ImagePair, Periodic};
@@ -40,7 +38,7 @@ pub struct Draw {
 }
 
 /// Draws the scene, and prints a summary on standard error.
-pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
+pub fn draw(options: &Draw) -> anyhow::Result<()> {
     let place = options.out.display();
     let ending = options.out.extension().map(|it| it.to_ascii_lowercase());
     ensure!(
@@ -79,7 +77,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         found += &format!(", {missed} missed, {spurious} spurious, {repeated} repeated");
     }
     say!("{name}: N = {n}, {dim}D, {found}; {place} ({size})");
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// Reads the contact list of the frame that is drawn.

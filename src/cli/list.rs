@@ -1,14 +1,11 @@
 use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 use std::io::Write;
-use std::process::ExitCode;
 
 use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 
 use crate::cli::shared::terminal;
-use contactbench_detectors::table;
-use contactbench_detectors::table::TABLE;
+use contactbench_detectors::table::{self, TABLE};
 use contactbench_detectors::tracker;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_record::experiment::Experiment;
@@ -106,14 +103,12 @@ fn lines(item: &Value, thing: &str, known: &mut BTreeMap<String, String>) -> Vec
             ("name", _) | (_, Value::Bool(false)) => {}
             ("parameters", Value::Array(all)) => {
                 for it in all {
-                    match known.entry(parameter(it)) {
-                        Entry::Occupied(of) => {
-                            again.entry(of.get().clone()).or_default().push(words(&it["name"]));
-                        }
-                        Entry::Vacant(new) => {
-                            lines.push(new.key().clone());
-                            new.insert(thing.into());
-                        }
+                    let line = parameter(it);
+                    if let Some(of) = known.get(&line) {
+                        again.entry(of.clone()).or_default().push(words(&it["name"]));
+                    } else {
+                        lines.push(line.clone());
+                        known.insert(line, thing.into());
                     }
                 }
             }
@@ -126,7 +121,7 @@ fn lines(item: &Value, thing: &str, known: &mut BTreeMap<String, String>) -> Vec
     lines
 }
 
-pub fn list(options: &List) -> anyhow::Result<ExitCode> {
+pub fn list(options: &List) -> anyhow::Result<()> {
     let mut out = terminal::out();
     // The hundred hard cases would hide the rest.
     let usual = || What::ALL.into_iter().filter(|what| *what != What::HardCases).collect();
@@ -145,7 +140,7 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
             writeln!(out, "{}", what.table()?.plain(terminal::width().min(most)))?;
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 fn summed(name: &str, summary: &str) -> Value {

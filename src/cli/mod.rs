@@ -21,7 +21,7 @@ pub mod track;
 pub mod verify;
 pub mod your_detector;
 
-use std::process::ExitCode;
+use std::process::{ExitCode, Termination};
 
 use clap::{Parser, Subcommand};
 use measuring::{compare, merge, report, run, site};
@@ -70,7 +70,7 @@ macro_rules! verbs {
         impl Verb {
             fn run(&self) -> anyhow::Result<ExitCode> {
                 match self {
-                    $($(Verb::$verb(options) => $run(options),)*)*
+                    $($(Verb::$verb(options) => $run(options).map(Termination::report),)*)*
                 }
             }
         }

@@ -112,9 +112,6 @@ fn without_numbers(text: &str) -> String {
 
 /// Returns whether the reader of the output has closed it, as `head` does.
 fn broken_pipe(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| {
-        cause
-            .downcast_ref::<std::io::Error>()
-            .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
-    })
+    let mut of_system = error.chain().filter_map(|cause| cause.downcast_ref::<std::io::Error>());
+    of_system.any(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
 }

@@ -53,7 +53,10 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (name, given) = options.source.given()?;
     ensure!(!given.scene.is_empty(), "{name}: the scene has no particles");
     let history = history(&name)?;
-    let program = program()?;
+    interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
+    let program = std::env::current_exe();
+    let program = program.context("cannot find this program to start it as runner")?;
+    let program = vec![program.display().to_string()];
     let time = Duration::from_secs_f64(seconds);
     let Recommend { arithmetic, limit, .. } = *options;
     let memory_limit = limit.bytes(given.scene.len());
@@ -114,21 +117,10 @@ fn head(out: &mut Output, name: &str, question: &Question<'_>, contacts: u64, bl
     out.line("", text, values);
 }
 
-/// Returns the command that starts this program as a runner.
-fn program() -> anyhow::Result<Vec<String>> {
-    interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
-    let program = std::env::current_exe();
-    let program = program.context("cannot find this program to start it as runner")?;
-    Ok(vec![program.display().to_string()])
-}
-
 /// Returns the scenes that a hard case runs before its own; empty for any other scene.
 fn history(name: &str) -> anyhow::Result<Vec<Given>> {
-    if Path::new(name).exists() {
-        Ok(Vec::new())
-    } else {
-        Spec::parse(name).map_or(Ok(Vec::new()), |spec| spec.history())
-    }
+    let spec = Spec::parse(name).ok().filter(|_| !Path::new(name).exists());
+    spec.map_or(Ok(Vec::new()), |spec| spec.history())
 }
 
 /// Returns all detectors, the fastest first, and those without a time last.

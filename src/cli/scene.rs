@@ -1,6 +1,5 @@
 use std::io::Write as _;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
@@ -34,7 +33,7 @@ pub struct Scene {
 }
 
 /// Makes or reads the scene and writes it, in numbers that read back to the same bits.
-pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
+pub fn scene(options: &Scene) -> anyhow::Result<()> {
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let format = options.out.as_deref().map(write::scene_format).transpose()?;
     let mut given = options.input.given(&options.scene)?;
@@ -73,11 +72,11 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
                 .context("cannot write the scene to standard output")?;
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// Writes frames one by one, and keeps none in memory.
-fn trajectory(options: &Scene, frames: &mut Frames, count: u64) -> anyhow::Result<ExitCode> {
+fn trajectory(options: &Scene, frames: &mut Frames, count: u64) -> anyhow::Result<()> {
     let mut each = |out: &mut dyn std::io::Write| {
         (0..count).try_for_each(|k| {
             write::scene_to(out, SceneFormat::Xyz, &frames.at(k)?)?;
@@ -95,5 +94,5 @@ fn trajectory(options: &Scene, frames: &mut Frames, count: u64) -> anyhow::Resul
             out.flush().context("cannot write the frames to standard output")?;
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }

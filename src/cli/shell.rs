@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::CommandFactory;
@@ -49,7 +48,7 @@ pub struct Completions {
     man: Option<PathBuf>,
 }
 
-pub fn completions(options: &Completions) -> anyhow::Result<ExitCode> {
+pub fn completions(options: &Completions) -> anyhow::Result<()> {
     if let Some(folder) = &options.man {
         std::fs::create_dir_all(folder)
             .and_then(|()| clap_mangen::generate_to(Cli::command(), folder))
@@ -61,7 +60,7 @@ pub fn completions(options: &Completions) -> anyhow::Result<ExitCode> {
         let script = with_files(shell, &String::from_utf8_lossy(&script));
         std::io::stdout().lock().write_all(script.as_bytes())?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// Adds files to the completions of scenes and experiments, which clap's generator leaves out.

@@ -6,12 +6,10 @@ use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::sequence::{FRAMES, Sequence, sequence};
-use crate::cli::shared::tracking;
-use crate::cli::shared::{terminal, values};
+use crate::cli::shared::{terminal, tracking, values};
 use anyhow::{Context, ensure};
 use contactbench_detectors::oracle::SAMPLE;
-use contactbench_detectors::tracker;
-use contactbench_detectors::tracker::TrackerSpec;
+use contactbench_detectors::tracker::{self, TrackerSpec};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_run::run::machine::interrupt;
 use contactbench_run::tracking::{Check, Question, follow};
@@ -69,12 +67,9 @@ const USUAL: [&str; 7] = [
 /// Runs all trackers over the frames of a motion or a file, and checks their contacts.
 pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
-    let texts: Vec<&str> = match options.trackers.is_empty() {
-        true => USUAL.to_vec(),
-        false => options.trackers.iter().map(String::as_str).collect(),
-    };
-    let trackers: Vec<TrackerSpec> =
-        texts.into_iter().map(tracker::parse).collect::<Result<_, _>>()?;
+    let usual = USUAL.into_iter().filter(|_| options.trackers.is_empty());
+    let texts = options.trackers.iter().map(String::as_str).chain(usual);
+    let trackers: Vec<TrackerSpec> = texts.map(tracker::parse).collect::<Result<_, _>>()?;
     let Track { motion, frames, .. } = *options;
     let body = |sequence: Sequence<'_>| followed(options, &trackers, sequence);
     sequence(&options.source, motion, frames, body)

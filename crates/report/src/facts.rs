@@ -69,7 +69,9 @@ impl<'a> Facts<'a> {
         rows: &[Row],
         styles: Styles,
     ) -> Facts<'a> {
-        let origin = Origin::read(folder, rows);
+        let ledger = Ledger::read(folder);
+        let conditions = Conditions::new(&provenance::all(folder), &ledger, rows);
+        let origin = Origin { provenance: provenance::of_folder(folder), conditions, ledger };
         let disturbed = origin.conditions.disturbed;
         let chapters: Vec<Chapter<'_>> =
             experiments.iter().map(|it| Chapter::new(it, cells, disturbed)).collect();
@@ -100,20 +102,22 @@ impl<'a> Facts<'a> {
     /// causes a warning.
     pub fn draw(&mut self, folder: &Path, most: usize) {
         let caches = hardware::caches_of(self.origin.provenance.as_ref());
+        let (styles, caches) = (&self.styles, &*caches);
         for chapter in &mut self.chapters {
-            let failed = chapter.draw(folder, most, self.cells, &self.styles, &caches);
-            self.warnings.extend(failed);
-        }
-    }
-}
-
-impl Origin {
-    fn read(folder: &Path, rows: &[Row]) -> Origin {
-        let ledger = Ledger::read(folder);
-        Origin {
-            provenance: provenance::of_folder(folder),
-            conditions: Conditions::new(&provenance::all(folder), &ledger, rows),
-            ledger,
+            let (experiment, cells) = (chapter.experiment, of(chapter.experiment, self.cells));
+            // An experiment that has not begun has no variables, either.
+            let begun = if cells.is_empty() { 0 } else { most };
+            for figure in experiment.figures.iter().take(begun) {
+                match (figure::About { experiment, figure, cells, styles, caches }).draw(folder) {
+                    Ok(path) => {
+                        chapter.figures.extend(path.map(|path| (figure.title.clone(), path)))
+                    }
+                    Err(error) => self.warnings.push(format!(
+                        "the figure {} of {} was not drawn: {error:#}",
+                        figure.name, experiment.name
+                    )),
+                }
+            }
         }
     }
 }
@@ -155,31 +159,6 @@ impl<'a> Chapter<'a> {
             files,
             cells: own,
         }
-    }
-
-    /// Draws the figures into a folder, and returns a sentence for each that cannot be drawn.
-    fn draw(
-        &mut self,
-        folder: &Path,
-        most: usize,
-        cells: &[Cell],
-        styles: &Styles,
-        caches: &[(String, u64)],
-    ) -> Vec<String> {
-        let (mut failed, experiment) = (Vec::new(), self.experiment);
-        // An experiment that has not begun has no variables, either.
-        let begun = if of(experiment, cells).is_empty() { 0 } else { most };
-        for figure in experiment.figures.iter().take(begun) {
-            let cells = of(experiment, cells);
-            match (figure::About { experiment, figure, cells, styles, caches }).draw(folder) {
-                Ok(path) => self.figures.extend(path.map(|path| (figure.title.clone(), path))),
-                Err(error) => failed.push(format!(
-                    "the figure {} of {} was not drawn: {error:#}",
-                    figure.name, experiment.name
-                )),
-            }
-        }
-        failed
     }
 
     /// Returns whether the answer is which subject is the fastest.

@@ -12,8 +12,7 @@ use contactbench_record::cells::{Cell, errors, label};
 use contactbench_record::record::column::Column;
 use contactbench_record::record::row::{Outcome, Pass};
 use contactbench_terms::number::short;
-use contactbench_terms::text;
-use contactbench_terms::text::html as escape;
+use contactbench_terms::text::{self, html as escape};
 
 const TEMPLATE: &str = include_str!("../assets/report/page.html");
 pub(crate) const STYLE: &str = include_str!("../assets/report/style.css");

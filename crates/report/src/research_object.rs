@@ -53,12 +53,6 @@ fn id(path: &str) -> String {
     path.bytes().map(encoded).collect()
 }
 
-fn file(folder: &Path, path: &str) -> std::io::Result<Value> {
-    let bytes = std::fs::read(folder.join(path))?;
-    Ok(json!({"@id": id(path), "@type": "File", "name": path, "encodingFormat": kind(path),
-        "contentSize": bytes.len().to_string(), "sha256": sha256(&bytes)}))
-}
-
 /// Returns the text of the file for a folder with this title, question and provenance.
 ///
 /// # Errors
@@ -103,7 +97,10 @@ pub fn text(
         LICENCES.map(|(id, name)| json!({"@id": id, "@type": "CreativeWork", "name": name})),
     );
     for path in &files {
-        graph.push(file(folder, path)?);
+        let bytes = std::fs::read(folder.join(path))?;
+        graph.push(json!({"@id": id(path), "@type": "File", "name": path,
+            "encodingFormat": kind(path), "contentSize": bytes.len().to_string(),
+            "sha256": sha256(&bytes)}));
     }
     let context =
         ["https://w3id.org/ro/crate/1.1/context", "https://w3id.org/ro/terms/workflow-run/context"];

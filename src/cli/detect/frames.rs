@@ -1,7 +1,6 @@
 //! `detect --frame all`: finds the contacts of all frames.
 
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::{Context, ensure};
@@ -28,11 +27,7 @@ struct Done {
 }
 
 /// Writes the contacts of all frames, and prints a summary on standard error.
-pub(super) fn detect(
-    options: &Detect,
-    spec: &DetectorSpec,
-    path: &Path,
-) -> anyhow::Result<ExitCode> {
+pub(super) fn detect(options: &Detect, spec: &DetectorSpec, path: &Path) -> anyhow::Result<()> {
     let input = &options.source.input;
     let read = io::Options { ids: !options.places || options.needs_ids(), ..input.options() };
     let done = input::frames(path, read, |frames| {
@@ -49,7 +44,7 @@ pub(super) fn detect(
         time.as_secs_f64() * 1e3,
         options.arithmetic.name()
     );
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 fn all(

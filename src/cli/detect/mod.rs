@@ -2,7 +2,6 @@ mod frames;
 mod search;
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -106,7 +105,7 @@ fn repeated(ids: &[i64]) -> anyhow::Result<Option<i64>> {
 }
 
 /// Writes the contacts, and prints a summary on standard error.
-pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
+pub fn detect(options: &Detect) -> anyhow::Result<()> {
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let spec = table::parse(&options.detector)?;
     spec.usable(options.threads).context("--detector or --threads")?;
@@ -152,5 +151,5 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         memory.map_or("memory not measured".into(), crate::cli::bytes),
         options.arithmetic.name()
     );
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }

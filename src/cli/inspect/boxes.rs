@@ -49,13 +49,13 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, out: &
 
 fn lattice_of(particles: &Particles, lattice: &Lattice, input: &Input, out: &mut Output) {
     let dim = particles.dim();
-    let vectors: Vec<&[f64]> = lattice.vectors()[..dim].iter().map(|v| &v[..]).collect();
+    let all = lattice.vectors();
+    let vectors: Vec<&[f64]> = all[..dim].iter().map(|vector| &vector[..dim]).collect();
     let length = |v: &&[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let lengths: Vec<f64> = vectors.iter().map(length).collect();
     let heights: Vec<f64> = (0..dim).map(|k| lattice.height(k)).collect();
     let origin = &lattice.origin()[..dim];
     let shape = if lattice.is_tilted() { "tilted" } else { "edges along the axes" };
-    let vectors: Vec<&[f64]> = vectors.iter().map(|vector| &vector[..dim]).collect();
     out.line(
         "box",
         format!(
@@ -74,10 +74,8 @@ fn lattice_of(particles: &Particles, lattice: &Lattice, input: &Input, out: &mut
         }),
     );
     let outside = outside((0..particles.len()).map(|k| particles.centre(k)), lattice);
-    let such = match outside.first() {
-        Some(first) => format!(", such as particle {first} (from 0)"),
-        None => String::new(),
-    };
+    let first = outside.first().map(|first| format!(", such as particle {first} (from 0)"));
+    let such = first.unwrap_or_default();
     let text = format!("{}{such}", plural(outside.len(), "particle"));
     out.line("outside the box", text, json!({ "outside": outside.len() }));
 }
@@ -92,11 +90,8 @@ pub(super) fn reach(periodic: &Periodic<'_>, out: &mut Output) {
     let text: Vec<String> =
         heights.iter().map(|(axis, height)| format!("{axis} {}", number(*height))).collect();
     let least = heights.iter().map(|(_, height)| *height).fold(f64::INFINITY, f64::min) / reach;
-    let times = if least.is_finite() {
-        format!(" (ratio at least {})", number(least))
-    } else {
-        String::new()
-    };
+    let times = format!(" (ratio at least {})", number(least));
+    let times = if least.is_finite() { &times } else { "" };
     out.line(
         "between faces",
         format!("{}; contacts reach {} at most{times}", text.join(", "), number(reach)),

@@ -5,14 +5,12 @@ use std::collections::HashSet;
 use serde_json::json;
 
 use crate::cli::shared::output::Output;
-use contactbench_detectors::near;
-use contactbench_detectors::table;
+use contactbench_detectors::{near, table};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::detect::Options;
 use contactbench_ground::limits::crowd::Crowd;
 use contactbench_ground::limits::refusal::Refusal;
-use contactbench_ground::periodic;
-use contactbench_ground::periodic::{ImagePair, Periodic};
+use contactbench_ground::periodic::{self, ImagePair, Periodic};
 use contactbench_ground::scene::{Real, array};
 use contactbench_ground::with_scene;
 use contactbench_io::RadiusSource;
@@ -49,15 +47,11 @@ impl Contacts {
         }
         let pairs = match near::contacts(periodic, limit) {
             Ok(pairs) => pairs,
-            Err(error) => {
-                return match error {
-                    Refusal::Pairs { found, .. } => {
-                        Contacts::TooMany(2.0 * found as f64 / n as f64)
-                    }
-                    Refusal::Crowd { each, .. } => Contacts::TooMany(each),
-                    error => Contacts::Refused(error.to_string()),
-                };
+            Err(Refusal::Pairs { found, .. }) => {
+                return Contacts::TooMany(2.0 * found as f64 / n as f64);
             }
+            Err(Refusal::Crowd { each, .. }) => return Contacts::TooMany(each),
+            Err(error) => return Contacts::Refused(error.to_string()),
         };
         let depths = pairs.iter().map(|&pair| periodic::depth(periodic, pair));
         let (near, overlap) = depths.fold((0, 0.0), |(near, sum), depth| {

@@ -1,5 +1,4 @@
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use serde_json::json;
 
@@ -29,7 +28,7 @@ pub struct Inspect {
 }
 
 /// Reads the file, finds the contacts, prints both, and warns.
-pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
+pub fn inspect(options: &Inspect) -> anyhow::Result<()> {
     // If --frame all is given, `inspect` describes the last frame, and then the motion.
     let all = options.input.frame == Some(FrameChoice::All);
     let frame = if all { FrameChoice::Last } else { options.input.options().frame };
@@ -50,8 +49,7 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     if all {
         motion::report(options, of_all, &mut out);
     }
-    out.print()?;
-    Ok(ExitCode::SUCCESS)
+    Ok(out.print()?)
 }
 
 fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Output) {
@@ -64,10 +62,8 @@ fn of_file(options: &Inspect, particles: &Particles, about: &About, out: &mut Ou
     let what = if dim == 2 { "discs (2D)" } else { "spheres (3D)" };
     out.line("particles", format!("{n} {what}"), json!({ "n": n, "dim": dim }));
     let About { frames, frame, .. } = *about;
-    let which = match frames {
-        1 => String::new(),
-        _ => format!("; read: frame {frame} (numbered from 0)"),
-    };
+    let read = format!("; read: frame {frame} (numbered from 0)");
+    let which = if frames == 1 { "" } else { &read };
     out.line("frames", format!("{frames}{which}"), json!({ "frames": frames, "frame": frame }));
     if frames > 1 && options.input.frame != Some(FrameChoice::All) {
         out.warn(format!(

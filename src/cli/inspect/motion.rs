@@ -3,10 +3,9 @@
 use serde_json::json;
 
 use crate::cli::inspect::Inspect;
-use crate::cli::shared::input;
 use crate::cli::shared::output::Output;
 use crate::cli::shared::progress::Counted;
-use crate::cli::shared::tracking;
+use crate::cli::shared::{input, tracking};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::limits::memory;
 use contactbench_io as io;

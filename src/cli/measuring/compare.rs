@@ -63,7 +63,7 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     }
     let slower = gate_time && summary.is_slower();
     let cases: Vec<Case> = cells.iter().map(|cell| case(cell, options, slower)).collect();
-    let failed = cases.iter().filter(|case| matches!(case.result, Outcome::Failed(_))).count();
+    let failed = cases.iter().filter(|case| case.outcome == Outcome::Failed).count();
     let page = Page { comparison: &comparison, terms: &terms, gate_time, strict, all, failed };
     if options.json {
         terminal::json(&page.json())?;
@@ -77,22 +77,20 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
 /// Returns the case of a cell; with `gated_time` a slower cell fails.
 fn case(cell: &Compared, options: &Compare, gated_time: bool) -> Case {
     let slower = cell.timing.as_ref().filter(|timing| timing.judgement == Judgement::Slower);
-    let gated = |gate: bool, why: String, else_: fn(String) -> Outcome| {
-        if gate { Outcome::Failed(why) } else { else_(why) }
-    };
-    let result = if !cell.changes.is_empty() {
+    let gated = |gate: bool, otherwise| if gate { Outcome::Failed } else { otherwise };
+    let (outcome, why) = if !cell.changes.is_empty() {
         let changes: Vec<String> = cell.changes.iter().map(words::change).collect();
-        Outcome::Failed(format!("changed: {}", changes.join("; ")))
+        (Outcome::Failed, format!("changed: {}", changes.join("; ")))
     } else if let Some(absent) = &cell.absent {
-        gated(options.strict, absent.clone(), Outcome::Skipped)
+        (gated(options.strict, Outcome::Skipped), absent.clone())
     } else if !cell.lacks.is_empty() {
-        gated(options.strict, cell.lacks.join("; "), Outcome::Noted)
+        (gated(options.strict, Outcome::Noted), cell.lacks.join("; "))
     } else if let Some(timing) = slower {
         let why = format!("{}: B / A = {}", timing.judgement.name(), words::ratio(timing));
-        gated(gated_time, why, Outcome::Noted)
+        (gated(gated_time, Outcome::Noted), why)
     } else {
-        Outcome::Passed
+        (Outcome::Passed, String::new())
     };
     let class = format!("{}.{}", cell.id.experiment, cell.id.scene);
-    Case { class, name: cell.place.clone(), result }
+    Case { class, name: cell.place.clone(), outcome, why }
 }

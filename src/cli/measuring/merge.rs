@@ -9,12 +9,10 @@ use crate::cli::measuring::report::finish;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::terminal;
 use contactbench_record::experiment::shard::Shard;
-use contactbench_record::record::folder::ledger;
-use contactbench_record::record::folder::ledger::Ledger;
-use contactbench_record::record::merge::Part;
+use contactbench_record::record::folder::ledger::{self, Ledger};
+use contactbench_record::record::merge::{self, Part};
 use contactbench_record::record::origin::provenance;
-use contactbench_record::record::row::{Row, Writer};
-use contactbench_record::record::{merge, row};
+use contactbench_record::record::row::{self, Row, Writer};
 use contactbench_terms::number::plural;
 
 const OTHER: &str = "choose another folder with --out";

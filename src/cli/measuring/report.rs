@@ -91,8 +91,7 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     // Detectors that were wrong, crashed or not started come before the claims.
     let mut cases: Vec<Case> = report.culprits.iter().map(culprit).collect();
     if cases.is_empty() {
-        let (class, name) = ("record".into(), "every answer is right".into());
-        cases.push(Case { class, name, result: ci::Outcome::Passed });
+        cases.push(Case::passed("record", "every answer is right"));
     }
     cases.extend(report.verdicts.iter().map(case));
     ci.write("run", &cases)?;
@@ -102,18 +101,22 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
 
 fn culprit(found: &Culprit) -> Case {
     let is = if found.outcome == Outcome::Unavailable { "was started" } else { "is right" };
-    let (class, name) = ("record".into(), format!("{} {is}", found.name));
-    Case { class, name, result: ci::Outcome::Failed(failures::culprit(found)) }
+    Case {
+        outcome: ci::Outcome::Failed,
+        why: failures::culprit(found),
+        ..Case::passed("record", &format!("{} {is}", found.name))
+    }
 }
 
 /// A claim about times does not fail the run.
 fn case(verdict: &claim::Verdict) -> Case {
-    let why = || format!("{}: {}", verdict.evidence.status.name(), evidence(verdict));
-    let result = match verdict.evidence.status {
-        claim::Status::Holds => ci::Outcome::Passed,
-        claim::Status::Fails if verdict.claim.is_check() => ci::Outcome::Failed(why()),
-        claim::Status::Fails => ci::Outcome::Noted(why()),
-        claim::Status::NotCovered | claim::Status::NotShown => ci::Outcome::Skipped(why()),
+    let passed = Case::passed(&verdict.experiment, &verdict.claim.name);
+    let status = verdict.evidence.status;
+    let outcome = match status {
+        claim::Status::Holds => return passed,
+        claim::Status::Fails if verdict.claim.is_check() => ci::Outcome::Failed,
+        claim::Status::Fails => ci::Outcome::Noted,
+        claim::Status::NotCovered | claim::Status::NotShown => ci::Outcome::Skipped,
     };
-    Case { class: verdict.experiment.clone(), name: verdict.claim.name.clone(), result }
+    Case { outcome, why: format!("{}: {}", status.name(), evidence(verdict)), ..passed }
 }

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 
@@ -27,7 +26,7 @@ pub struct Site {
     address: Option<String>,
 }
 
-pub fn site(options: &Site) -> anyhow::Result<ExitCode> {
+pub fn site(options: &Site) -> anyhow::Result<()> {
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let Site { folder, out, address } = options;
     let holds = std::fs::read_dir(out).is_ok_and(|mut entries| entries.next().is_some());
@@ -53,7 +52,7 @@ pub fn site(options: &Site) -> anyhow::Result<ExitCode> {
     let (pages, records) = (plural(pages.count(), "page"), plural(given.len(), "record"));
     let index = out.join("index.html");
     writeln!(terminal::out(), "{pages} of {records}: {}", index.display())?;
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// Removes records that are equal to an earlier one, and returns a note on each.
@@ -61,10 +60,8 @@ fn copies(given: &mut Vec<Given>) -> Vec<String> {
     let (mut kept, mut notes) = (Vec::<Given>::new(), Vec::new());
     let origin = |record: &Given| std::fs::read(record.folder.join(provenance::FILE)).ok();
     for record in std::mem::take(given) {
-        match kept
-            .iter()
-            .find(|known| known.rows == record.rows && origin(known) == origin(&record))
-        {
+        let same = |it: &&Given| it.rows == record.rows && origin(it) == origin(&record);
+        match kept.iter().find(same) {
             Some(known) => notes.push(format!(
                 "{} is a copy of {} and is left out",
                 record.folder.display(),

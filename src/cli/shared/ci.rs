@@ -7,8 +7,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 
 use contactbench_io::write;
-use contactbench_terms::text::html;
-use contactbench_terms::text::lines;
+use contactbench_terms::text::{html, lines};
 
 const CI: &str = "Continuous integration";
 
@@ -31,35 +30,27 @@ pub struct Case {
     /// Group of the case, with dots: `scaling.packed`.
     pub class: String,
     pub name: String,
-    pub result: Outcome,
+    pub outcome: Outcome,
+    /// The reason for the outcome; empty if the case passed.
+    pub why: String,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-pub enum Outcome {
-    Passed,
-    /// The case did not fail, but deserves a look, for this reason.
-    Noted(String),
-    /// The case failed, for this reason.
-    Failed(String),
-    /// The case was not decided, for this reason.
-    Skipped(String),
-}
-
-impl Outcome {
-    fn word(&self) -> &'static str {
-        match self {
-            Outcome::Passed => "passed",
-            Outcome::Noted(_) => "noted",
-            Outcome::Failed(_) => "failed",
-            Outcome::Skipped(_) => "skipped",
-        }
+contactbench_terms::named! {
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub enum Outcome {
+        Failed = "failed",
+        /// The case did not fail, but deserves a look.
+        Noted = "noted",
+        /// The case was not decided.
+        Skipped = "skipped",
+        Passed = "passed",
     }
+}
 
-    fn why(&self) -> &str {
-        match self {
-            Outcome::Passed => "",
-            Outcome::Noted(why) | Outcome::Failed(why) | Outcome::Skipped(why) => why,
-        }
+impl Case {
+    pub fn passed(class: &str, name: &str) -> Case {
+        let (class, name) = (class.into(), name.into());
+        Case { class, name, outcome: Outcome::Passed, why: String::new() }
     }
 }
 
@@ -82,12 +73,8 @@ impl Outputs {
 }
 
 pub fn junit(suite: &str, cases: &[Case]) -> String {
-    let count =
-        |wanted: fn(&Outcome) -> bool| cases.iter().filter(|case| wanted(&case.result)).count();
-    let (failed, skipped) = (
-        count(|result| matches!(result, Outcome::Failed(_))),
-        count(|result| matches!(result, Outcome::Skipped(_))),
-    );
+    let count = |wanted| cases.iter().filter(|case| case.outcome == wanted).count();
+    let (failed, skipped) = (count(Outcome::Failed), count(Outcome::Skipped));
     let (tests, suite) = (cases.len(), xml(suite));
     let mut out = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"contactbench\" \
@@ -95,25 +82,17 @@ pub fn junit(suite: &str, cases: &[Case]) -> String {
          name=\"{suite}\" tests=\"{tests}\" failures=\"{failed}\" skipped=\"{skipped}\" \
          errors=\"0\">\n"
     );
-    for Case { class, name, result } in cases {
+    for Case { class, name, outcome, why } in cases {
+        let first = xml(why.lines().next().unwrap_or_default());
+        let why = xml(why);
         let _ = write!(out, "<testcase classname=\"{}\" name=\"{}\"", xml(class), xml(name));
-        let _ = match result {
-            Outcome::Passed => writeln!(out, "/>"),
-            Outcome::Noted(why) => {
-                writeln!(out, "><system-out>{}</system-out></testcase>", xml(why))
+        out += &match outcome {
+            Outcome::Passed => "/>\n".into(),
+            Outcome::Noted => format!("><system-out>{why}</system-out></testcase>\n"),
+            Outcome::Failed => {
+                format!("><failure message=\"{first}\">{why}</failure></testcase>\n")
             }
-            Outcome::Failed(why) => {
-                let first = why.lines().next().unwrap_or_default();
-                writeln!(
-                    out,
-                    "><failure message=\"{}\">{}</failure></testcase>",
-                    xml(first),
-                    xml(why)
-                )
-            }
-            Outcome::Skipped(why) => {
-                writeln!(out, "><skipped message=\"{}\"/></testcase>", xml(why))
-            }
+            Outcome::Skipped => format!("><skipped message=\"{why}\"/></testcase>\n"),
         };
     }
     out + "</testsuite>\n</testsuites>\n"
@@ -128,11 +107,11 @@ fn xml(text: &str) -> String {
 /// Formats one line for each failure and note.
 pub fn annotations(suite: &str, cases: &[Case]) -> String {
     let mut out = String::new();
-    for Case { class, name, result } in cases {
-        let (kind, why) = match result {
-            Outcome::Failed(why) => ("error", why),
-            Outcome::Noted(why) => ("warning", why),
-            Outcome::Passed | Outcome::Skipped(_) => continue,
+    for Case { class, name, outcome, why } in cases {
+        let kind = match outcome {
+            Outcome::Failed => "error",
+            Outcome::Noted => "warning",
+            Outcome::Passed | Outcome::Skipped => continue,
         };
         let title = command(&format!("contactbench {suite}: {class}: {name}"))
             .replace(':', "%3A")
@@ -145,13 +124,14 @@ pub fn annotations(suite: &str, cases: &[Case]) -> String {
 /// Formats the verdicts as Markdown: how many of each, and a line for each that did not pass.
 pub fn summary(suite: &str, cases: &[Case]) -> String {
     let (mut numbers, mut lines) = (Vec::new(), String::new());
-    for kind in ["failed", "noted", "skipped", "passed"] {
-        let of: Vec<_> = cases.iter().filter(|case| case.result.word() == kind).collect();
-        if !of.is_empty() {
-            numbers.push(format!("{} {kind}", of.len()));
+    for kind in Outcome::ALL {
+        let of: Vec<_> = cases.iter().filter(|case| case.outcome == kind).collect();
+        let (count, kind) = (of.len(), kind.name());
+        if count > 0 {
+            numbers.push(format!("{count} {kind}"));
         }
-        for Case { class, name, result } in of.into_iter().filter(|_| kind != "passed") {
-            let [class, name, why] = [class.as_str(), name, result.why()].map(cell);
+        for Case { class, name, why, .. } in of.into_iter().filter(|_| kind != "passed") {
+            let [class, name, why] = [class.as_str(), name, why].map(cell);
             let _ = writeln!(lines, "| {kind} | {class} | {name} | {why} |");
         }
     }
@@ -179,12 +159,16 @@ mod tests {
     use super::*;
 
     fn cases() -> Vec<Case> {
-        let case = |name: &str, result| Case { class: "a.b".into(), name: name.into(), result };
+        let case = |name: &str, outcome, why: &str| Case {
+            outcome,
+            why: why.into(),
+            ..Case::passed("a.b", name)
+        };
         vec![
-            case("good", Outcome::Passed),
-            case("bad <&\"'> \u{1}", Outcome::Failed("50% off: a, b\nsecond ]]> line\r".into())),
-            case("seen", Outcome::Noted("n".into())),
-            case("none", Outcome::Skipped("s".into())),
+            case("good", Outcome::Passed, ""),
+            case("bad <&\"'> \u{1}", Outcome::Failed, "50% off: a, b\nsecond ]]> line\r"),
+            case("seen", Outcome::Noted, "n"),
+            case("none", Outcome::Skipped, "s"),
         ]
     }
 

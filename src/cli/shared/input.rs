@@ -10,8 +10,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
 use crate::cli::shared::scene::WithIds;
 use contactbench_io as io;
-use contactbench_io::Given;
-use contactbench_io::{Boundaries, FileOption, FrameChoice, Notice};
+use contactbench_io::{Boundaries, FileOption, FrameChoice, Given, Notice};
 use contactbench_scenes::origin::Origin;
 use contactbench_scenes::spec::{GENERATORS, Spec};
 use contactbench_terms::nearest::{hint, nearest};
@@ -120,8 +119,7 @@ impl Input {
 
     /// Returns a generator with its parameters, or a file with the options to read it.
     pub fn origin(&self, text: &str) -> anyhow::Result<Origin> {
-        let generated =
-            text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
+        let generated = text.split(':').next().is_some_and(is_generator);
         if generated && !io::exists(Path::new(text)) {
             ensure!(
                 !self.is_said(),

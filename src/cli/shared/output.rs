@@ -5,8 +5,8 @@ use std::io::Write;
 use serde_json::{Map, Value};
 
 use crate::cli::shared::terminal;
+use contactbench_report::document::indented;
 use contactbench_report::table::Table;
-use contactbench_terms::number::wrap;
 
 /// Text and JSON of a verb. Each call adds to both, so that neither can lack a result.
 pub struct Output {
@@ -81,10 +81,8 @@ impl Output {
 
     /// Adds `head`, and beside it `text`, wrapped and indented.
     fn hanging(&mut self, head: &str, text: &str) {
-        let indent = head.chars().count();
-        for (k, line) in wrap(text, self.width.saturating_sub(indent)).iter().enumerate() {
-            let head = if k == 0 { head } else { "" };
-            self.text += format!("{head:indent$}{line}").trim_end();
+        for line in indented(head, text, self.width).lines() {
+            self.text += line.trim_end();
             self.gap();
         }
     }

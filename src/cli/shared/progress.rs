@@ -5,7 +5,8 @@ use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use crate::cli::shared::terminal::say;
-use contactbench_run::run::stage::{Progress, Winner};
+use contactbench_record::findings::winners::Contest;
+use contactbench_run::run::stage::Progress;
 use contactbench_terms::number::short;
 use contactbench_terms::text::line;
 
@@ -114,19 +115,21 @@ impl Progress for Terminal {
         }
     }
 
-    fn found(&mut self, found: &Winner) {
+    fn found(&mut self, scene: &str, contest: &Contest, contacts: Option<u64>) {
         if !std::mem::replace(&mut self.headed, true) {
             let heads = ["scene", "fastest", "ns / N", "runner-up", "ratio", "contacts", "right"];
             self.note(&columns(heads));
         }
+        let (first, second) = (&contest.first, contest.others.first());
+        let ratio = second.and_then(|second| second.ratio);
         self.note(&columns([
-            &found.scene,
-            &found.fastest,
-            &short(found.per_particle),
-            found.second.as_deref().unwrap_or("–"),
-            &found.ratio.map_or("–".into(), short),
-            &found.contacts.map_or("–".into(), |count| count.to_string()),
-            &found.right.to_string(),
+            scene,
+            &first.name,
+            &short(first.per_particle),
+            second.map_or("–", |second| &second.name),
+            &ratio.map_or("–".into(), |ratio| short(ratio.median)),
+            &contacts.map_or("–".into(), |count| count.to_string()),
+            &(1 + contest.others.len()).to_string(),
         ]));
     }
 

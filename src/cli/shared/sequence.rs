@@ -7,8 +7,7 @@ use anyhow::{Context, ensure};
 use crate::cli::shared::input;
 use crate::cli::shared::scene::Source;
 use contactbench_io as io;
-use contactbench_io::FrameChoice;
-use contactbench_io::Given;
+use contactbench_io::{FrameChoice, Given};
 use contactbench_run::tracking::Recorded;
 use contactbench_scenes::motion::{self, Frames, Motion, MotionKind};
 
@@ -78,14 +77,13 @@ fn recorded<T>(
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
     let none = || format!("{text} holds no frame of particles; check its --format");
     let first = frames.next().transpose()?.with_context(none)?;
+    input::tell(&text, &first.0.notices);
     // An unreadable second frame is an error only when the caller reads it.
     let Some(second) = frames.next() else {
-        input::tell(&text, &first.0.notices);
         let given = first.0.given(&text, radius)?;
         say!("{text}: there is one frame, so the motion is made up: {DRIFT}");
         return moved(&name, &given, DRIFT, most, body);
     };
-    input::tell(&text, &first.0.notices);
     let particles = first.0.len();
     let steps = [first.1.step, second.as_ref().ok().and_then(|second| second.1.step)];
     if let [Some(a), Some(b)] = steps

@@ -11,10 +11,7 @@ use contactbench_terms::text;
 
 /// Returns the columns of the terminal; `usize::MAX` if the output is not a terminal.
 pub fn width() -> usize {
-    #[cfg(unix)]
-    return columns(std::io::stdout());
-    #[cfg(not(unix))]
-    usize::MAX
+    columns(std::io::stdout())
 }
 
 #[cfg(unix)]
@@ -25,12 +22,14 @@ fn columns(terminal: impl std::os::fd::AsFd) -> usize {
     }
 }
 
+#[cfg(not(unix))]
+fn columns<T>(_: T) -> usize {
+    usize::MAX
+}
+
 /// Prints a line on standard error; ignores errors.
 pub fn say(line: &str) {
-    #[cfg(unix)]
     let width = columns(std::io::stderr());
-    #[cfg(not(unix))]
-    let width = usize::MAX;
     let mut out = std::io::stderr().lock();
     let _ = writeln!(out, "{}", wrapped(&text::line(&text::shortened(line)), width));
 }

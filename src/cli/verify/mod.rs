@@ -92,7 +92,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         allowed: Allowed { both_sides, skin },
         limit: &|particles| options.limit.bytes(particles),
     };
-    let mut all = All::new(several);
+    let mut all = All { several, ..All::default() };
     let (progress, mut told, mut of_lists) = (Counted::new(None), Told::default(), Told::default());
     let [file, list_file] = [&options.file, &options.pairs].map(|it| it.display().to_string());
     all.matched = each(options, &asked, several, &mut |particles, about, list| {
@@ -105,7 +105,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         Ok(())
     })?;
     drop(progress);
-    all.end();
+    all.late.end();
     ensure!(!all.rows.is_empty(), "{list_file}: no frame has a list");
     ensure!(
         all.rows.iter().any(|row| row.particles > 0),

@@ -1,6 +1,6 @@
 //! Prints the result of `verify`: one frame with its worst pairs, several as a table.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::cli::shared::output::Output;
 use crate::cli::shared::scene::particle_line;
@@ -106,28 +106,18 @@ fn conditions(out: &mut Output, all: &All) {
     let within = all.rows.iter().map(|row| row.within_skin).sum();
     let first: Vec<String> = matched.left_out.iter().take(6).map(u64::to_string).collect();
     let more = if matched.left_out.len() > first.len() { " …" } else { "" };
+    let left_out = counted(contacts, "contact");
+    let left_out = format!("left out: {left_out}, {} of the list", counted(pairs, "pair"));
+    let assumed = String::from("assumed to have no contacts, because the list has no rows: ");
     let without = plural(matched.left_out.len(), "frame");
     for (count, words) in [
         (all.others.len() as u64, format!("ignored: {}", pairs::columns_of(&all.others))),
-        (
-            contacts + pairs,
-            format!(
-                "left out: {}, {} of the list",
-                counted(contacts, "contact"),
-                counted(pairs, "pair")
-            ),
-        ),
+        (contacts + pairs, left_out),
         (
             first.len() as u64,
             format!("left out: {without} without a list: {}{more}", first.join(" ")),
         ),
-        (
-            matched.without_rows,
-            format!(
-                "assumed to have no contacts, because the list has no rows: {}",
-                counted(matched.without_rows, "frame")
-            ),
-        ),
+        (matched.without_rows, assumed + &counted(matched.without_rows, "frame")),
         (within, format!("allowed within the skin: {}", counted(within, "pair"))),
     ] {
         if count > 0 {
@@ -139,7 +129,7 @@ fn conditions(out: &mut Output, all: &All) {
 
 /// Prints the number of wrong pairs of each kind, and the largest error.
 fn frame(out: &mut Output, row: &FrameResult, one: &Verified, all: &All) {
-    out.values(row_json(row));
+    out.values(json!(row));
     if all.is_same() {
         return out.text("the same: no missed, spurious or repeated pairs");
     }
@@ -187,10 +177,10 @@ fn frames(out: &mut Output, all: &All) {
         "deepest_when_reported": deepest,
         "first_wrong_frame": ends.map(|[first, _]| first.frame),
         "worst_frame": ends.map(|[_, worst]| worst.frame),
-        "frames": all.rows.iter().map(row_json).collect::<Vec<_>>(),
+        "frames": all.rows,
     }));
     let (shown, of) = (all.shown(FRAMES), all.rows.len());
-    let wrong = all.rows.iter().filter(|row| !row.is_same()).count();
+    let wrong = all.rows.iter().filter(|row| !row.same).count();
     if !shown.is_empty() {
         out.table(&table(&shown));
     }
@@ -263,24 +253,9 @@ fn worst(
     }
 }
 
-fn row_json(row: &FrameResult) -> Value {
-    json!({
-        "frame": row.frame,
-        "step": row.step,
-        "n": row.particles,
-        "contacts": row.contacts,
-        "reported": row.listed,
-        "same": row.is_same(),
-        "errors": row.errors,
-        "unknown": row.unknown,
-        "one_sided": row.one_sided,
-        "within_skin": row.within_skin,
-    })
-}
-
 fn table(rows: &[&FrameResult]) -> Table {
     let steps = rows.iter().any(|row| row.step.is_some());
-    let others = rows.iter().any(|row| row.wrong() > row.errors.missed + row.errors.spurious);
+    let others = rows.iter().any(|row| row.wrong > row.errors.missed + row.errors.spurious);
     Table::of("", rows.iter().copied())
         .right(if steps { "step" } else { "frame" }, |row| {
             row.step.map_or(row.frame.to_string(), |step| step.to_string())
@@ -290,7 +265,7 @@ fn table(rows: &[&FrameResult]) -> Table {
         .right("missed", |row| row.errors.missed)
         .right("spurious", |row| row.errors.spurious)
         .when(others, |table| {
-            table.right("other", |row| row.wrong() - row.errors.missed - row.errors.spurious)
+            table.right("other", |row| row.wrong - row.errors.missed - row.errors.spurious)
         })
         .unit("deepest missed", "mean radii", |row| {
             (row.errors.missed > 0).then_some(row.errors.deepest_miss)

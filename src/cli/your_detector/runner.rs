@@ -1,5 +1,3 @@
-use std::process::ExitCode;
-
 use anyhow::Context;
 
 use crate::cli::shared::arithmetic::arithmetic;
@@ -25,13 +23,10 @@ pub struct Serve {
     memory_limit: Option<u64>,
 }
 
-pub fn serve(options: &Serve) -> anyhow::Result<ExitCode> {
+pub fn serve(options: &Serve) -> anyhow::Result<()> {
     crate::cli::use_threads(options.threads);
     let memory_limit = options.memory_limit.unwrap_or(Options::default().memory_limit);
     let limits = Options { memory_limit, threads: options.threads };
     let mut server = Server::new(&options.detector, options.arithmetic, limits)?;
-    server
-        .serve(std::io::stdin().lock(), std::io::stdout().lock())
-        .context("the harness has ended")?;
-    Ok(ExitCode::SUCCESS)
+    server.serve(std::io::stdin().lock(), std::io::stdout().lock()).context("the harness has ended")
 }

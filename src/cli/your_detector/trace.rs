@@ -1,5 +1,4 @@
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -27,7 +26,7 @@ fn algorithm() -> impl TypedValueParser<Value = Algorithm> {
 }
 
 /// Writes the page, and prints a summary on standard error.
-pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
+pub fn trace(options: &Trace) -> anyhow::Result<()> {
     let Trace { detector, source, out } = options;
     let (name, scene) = match source.scene.is_some() || source.input.is_said() {
         true => {
@@ -37,13 +36,8 @@ pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
     };
     let trace = run(*detector, scene.as_ref())?;
     terminal::save(out, page::html(&trace, &name).as_bytes(), "-o")?;
-    say!(
-        "{name}: N = {}, {} contacts, {} steps of {}; {}",
-        trace.discs.len(),
-        trace.contacts.len(),
-        trace.steps.len() - 1,
-        detector.name(),
-        out.display()
-    );
-    Ok(ExitCode::SUCCESS)
+    let [n, contacts, steps] = [trace.discs.len(), trace.contacts.len(), trace.steps.len() - 1];
+    let (detector, out) = (detector.name(), out.display());
+    say!("{name}: N = {n}, {contacts} contacts, {steps} steps of {detector}; {out}");
+    Ok(())
 }

@@ -137,7 +137,7 @@ fn only_loses(wrong: &Wrong) -> bool {
 }
 
 /// Checks the contact test of the truth against integer arithmetic.
-fn the_truth_is_exact(scene: &AnyScene<'_>) {
+fn the_truth_is_exact(scene: &AnyScene<'static>) {
     let Ok(truth) = oracle::truth(scene, Arithmetic::Exact) else {
         panic!("exact arithmetic refuses:\n{}", as_csv(scene))
     };

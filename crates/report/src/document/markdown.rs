@@ -43,8 +43,13 @@ pub fn escaped(text: &str) -> String {
     out
 }
 
-#[test]
-fn nothing_becomes_markup() {
-    assert_eq!(escaped("a|b*c_d<e>\n`f`[g]#"), "a\\|b\\*c\\_d\\<e\\> \\`f\\`\\[g\\]\\#");
-    assert_eq!(escaped("a\u{202e}b\u{1b}"), "a b ");
+#[cfg(test)]
+mod tests {
+    use super::escaped;
+
+    #[test]
+    fn nothing_becomes_markup() {
+        assert_eq!(escaped("a|b*c_d<e>\n`f`[g]#"), "a\\|b\\*c\\_d\\<e\\> \\`f\\`\\[g\\]\\#");
+        assert_eq!(escaped("a\u{202e}b\u{1b}"), "a b ");
+    }
 }

@@ -36,10 +36,6 @@ enum Style {
 }
 
 impl Text {
-    pub fn new() -> Text {
-        Text::default()
-    }
-
     pub fn plain(self, text: impl Into<String>) -> Text {
         self.and(Style::Plain, text)
     }
@@ -58,7 +54,7 @@ impl Text {
 
     /// Reads a text whose pieces in backticks are code, and those in asterisks emphasis.
     pub fn marked(text: &str) -> Text {
-        let mut out = Text::new();
+        let mut out = Text::default();
         for (k, outside) in text.split('`').enumerate() {
             for (j, piece) in outside.split('*').enumerate() {
                 let style = match (k % 2, j % 2) {
@@ -94,7 +90,7 @@ impl Text {
 
 impl<T: Into<String>> From<T> for Text {
     fn from(text: T) -> Text {
-        Text::new().plain(text)
+        Text::default().plain(text)
     }
 }
 

@@ -25,12 +25,8 @@ fn block_text(block: &Block, width: usize) -> String {
 /// Wraps text after a head; further lines are indented by the width of the head.
 pub fn indented(head: &str, text: &str, width: usize) -> String {
     let indent = head.chars().count();
-    let mut out = String::new();
-    for (k, line) in wrap(text, width.saturating_sub(indent)).iter().enumerate() {
-        out += &if k == 0 { head.to_string() } else { " ".repeat(indent) };
-        out += &format!("{line}\n");
-    }
-    out
+    let lines = wrap(text, width.saturating_sub(indent));
+    format!("{head}{}\n", lines.join(&format!("\n{:indent$}", "")))
 }
 
 /// Returns the words without their style.

@@ -38,8 +38,7 @@ impl<'a> Bar<'a> {
     fn new(name: &'a str, detector: &'a str, entry: &'a Entry, n: u64) -> Option<Bar<'a>> {
         let per = |time: f64| format!("{} ns", number(time / n.max(1) as f64));
         let said = match (entry.outcome, entry.ratio, entry.time_ns) {
-            _ if entry.control => return None,
-            (Outcome::Unavailable, ..) => return None,
+            _ if entry.control || entry.outcome == Outcome::Unavailable => return None,
             (Outcome::Wrong, Some(ratio), _) => format!("{}, wrong", times(ratio.median)),
             (outcome, ..) if !outcome.is_good() => letter(outcome).1.into(),
             (_, _, Some(time)) if entry.is_base => format!("1 = {}", per(time)),

@@ -169,9 +169,7 @@ fn detector(name: &str) -> String {
 /// Returns the letter that marks a cell without a value, and its meaning.
 pub fn letter(outcome: Outcome) -> (&'static str, &'static str) {
     match outcome {
-        Outcome::Ok => ("", "ok"),
-        Outcome::Lossy => ("", "lossy"),
-        Outcome::Control => ("", "control"),
+        good @ (Outcome::Ok | Outcome::Lossy | Outcome::Control) => ("", good.name()),
         Outcome::Wrong => ("W", "wrong answer"),
         Outcome::Timeout => ("T", "time limit"),
         Outcome::OutOfMemory => ("M", "memory limit"),

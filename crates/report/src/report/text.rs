@@ -47,7 +47,9 @@ impl Facts<'_> {
         let mut out: Vec<Block> = self.wrong.iter().map(warning).collect();
         out.extend(self.alerts.iter().cloned());
         for chapter in &self.chapters {
-            out.push(Block::Paragraph(Text::new().strong(chapter.experiment.question.as_str())));
+            out.push(Block::Paragraph(
+                Text::default().strong(chapter.experiment.question.as_str()),
+            ));
             out.extend(chapter.answers(true));
         }
         out.push(Block::heading(2, "The record"));
@@ -59,7 +61,7 @@ impl Facts<'_> {
             _ => {}
         }
         out.extend(self.whole.iter().cloned().map(Block::paragraph));
-        if let Some(fields) = self.provenance()
+        if let Some(fields) = &self.origin.provenance
             && let Some(command) = fields.get("command")
         {
             out.push(Block::paragraph(format!("Made{} with this command:", program(fields))));
@@ -69,14 +71,10 @@ impl Facts<'_> {
         out
     }
 
-    fn provenance(&self) -> Option<&Value> {
-        self.origin.provenance.as_ref()
-    }
-
     fn foot(&self, out: &mut Vec<Block>) {
         out.push(Block::heading(2, "How to read the tables"));
         let lines = include_str!("legend.txt").lines().filter_map(|line| line.split_once(": "));
-        let line = |(term, text)| Text::new().emphasis(term).plain(format!(": {text}"));
+        let line = |(term, text)| Text::default().emphasis(term).plain(format!(": {text}"));
         out.push(Block::List(lines.map(line).collect()));
         out.push(Block::Paragraph(Text::marked(
             "All values, one line per cell, are in `summary.csv`, all measurements in the record, \
@@ -84,7 +82,7 @@ impl Facts<'_> {
              this report and report.html, which contains the pictures, from the record. \
              docs/BIAS.md lists the ways in which this comparison is unfair.",
         )));
-        if let Some(Value::Object(fields)) = self.provenance() {
+        if let Some(Value::Object(fields)) = &self.origin.provenance {
             out.push(Block::heading(2, "Machine and provenance"));
             out.extend(conditions::machine(&self.origin.conditions).map(Block::paragraph));
             let line = |(name, value): (&String, &Value)| format!("{name}: {}", shown(value));
@@ -146,7 +144,7 @@ impl Chapter<'_> {
     }
 
     pub(crate) fn reading(&self) -> Block {
-        let reading = Text::new().emphasis("How to read it:");
+        let reading = Text::default().emphasis("How to read it:");
         Block::Paragraph(reading.plain(format!(" {}", self.experiment.reading)))
     }
 

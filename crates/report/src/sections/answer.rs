@@ -15,7 +15,7 @@ pub fn blocks(verdicts: &[Verdict], with_evidence: bool) -> Vec<Block> {
         out.push(Block::paragraph(format!("{}.{details}", score(verdicts))));
     }
     let item = |verdict: &&Verdict| {
-        let text = Text::new().strong(format!("{}:", word(verdict)));
+        let text = Text::default().strong(format!("{}:", word(verdict)));
         let text = text.plain(format!(" {}", verdict.claim.name));
         if with_evidence {
             let words = evidence(verdict);

@@ -36,7 +36,7 @@ pub fn answer(cells: &[&Measured]) -> Option<Text> {
     worst.sort_by(|a, b| b.1.total_cmp(&a.1));
     let part = |(name, share): (String, f64)| format!("{name} up to {}", percent(share));
     let parts: Vec<String> = worst.into_iter().map(part).collect();
-    let out = Text::new().strong("Wrong pairs per true contact:");
+    let out = Text::default().strong("Wrong pairs per true contact:");
     let out = out.plain(format!(" {}.", parts.join(", ")));
     let by_id: BTreeMap<&CellId, &Measured> = cells.iter().map(|cell| (&cell.id, *cell)).collect();
     let exact =

@@ -30,7 +30,7 @@ pub fn headline(found: &Ratios, disturbed: bool) -> Text {
     if let (Some(least), Some(most)) = (ratios.clone().reduce(f64::min), ratios.reduce(f64::max)) {
         rest += &format!(": that library takes {} to {} times as long", times(least), times(most));
     }
-    Text::new().strong(words).plain(rest + ".")
+    Text::default().strong(words).plain(rest + ".")
 }
 
 pub fn section(about: &About<'_>) -> Option<Section> {
@@ -98,12 +98,8 @@ fn libraries(found: &[Library], reference: &str, disturbed: bool) -> Table {
         .into()
 }
 
-fn per_particle(value: f64, n: u64) -> f64 {
-    value / n.max(1) as f64
-}
-
 fn cell(n: u64, entry: &Entry) -> Cell {
-    let per = |time: f64| format!("{} ns / N", number(per_particle(time, n)));
+    let per = |time: f64| format!("{} ns / N", number(time / n.max(1) as f64));
     match (entry.outcome, entry.ratio, entry.time_ns) {
         (Outcome::Wrong, Some(ratio), _) => format!("wrong ({})", times(ratio.median)).into(),
         (outcome, ..) if !outcome.is_good() => outcome.name().into(),

@@ -6,7 +6,7 @@ use crate::table::{Cell, Table};
 use contactbench_record::cells::Cell as Measured;
 use contactbench_record::cells::series::{Line, labels};
 use contactbench_record::findings::threads::{Gain, gains};
-use contactbench_record::stats::interval::{Interval, median, spread};
+use contactbench_record::stats::interval::{median, spread};
 use contactbench_terms::number::{percent, plural, with_ends};
 
 pub fn section(about: &About<'_>) -> Option<Section> {
@@ -44,7 +44,7 @@ fn sentence(name: &str, gains: &[&Gain]) -> Option<Text> {
     let speedups: Vec<f64> = gains.iter().map(|gain| gain.speedup.median).collect();
     let fractions: Vec<f64> = gains.iter().filter_map(|gain| Some(gain.fraction?.median)).collect();
     let ([least, speedup, most], scenes) = (spread(&speedups)?, plural(gains.len(), "scene"));
-    let out = Text::new().strong(format!("{name}: {speedup:.2} times as fast as one thread"));
+    let out = Text::default().strong(format!("{name}: {speedup:.2} times as fast as one thread"));
     let out = out.plain(format!(" (median of {scenes}; {least:.2} to {most:.2})"));
     Some(out.plain(median(&fractions).map_or(".".into(), |fraction| {
         let gain = percent(fraction);
@@ -64,13 +64,8 @@ fn table(gains: &[Gain]) -> Table {
         .right("threads", |gain| u64::from(gain.line.threads))
         .right("speed-up", |gain| gain.speedup)
         .right("ceiling", ceiling)
-        .right("fraction of the ceiling", |gain| gain.fraction.as_ref().map(percents))
+        .right("fraction of the ceiling", |gain| gain.fraction.map(|it| with_ends(&it, percent)))
         .into()
-}
-
-/// Formats a fraction as `93% (91% to 96%)`.
-fn percents(fraction: &Interval) -> Cell {
-    with_ends(fraction, percent).into()
 }
 
 fn rows(gains: &[Gain]) -> Table {

@@ -57,7 +57,7 @@ pub fn sentence(winners: &Winners) -> Text {
     let won = wins.iter().skip(1).map(|(name, margins)| (*name, margins.len()));
     let rest: Vec<_> = won.chain(others).map(|(name, count)| format!("{name}: {count}")).collect();
     let words = format!("{first} is the fastest in {} of {} scenes", margins.len(), winners.scenes);
-    let mut out = Text::new().strong(words);
+    let mut out = Text::default().strong(words);
     if let Some([least, typical, most]) = spread(margins) {
         out = out.plain(format!(
             "; the runner-up takes {typical:.1} times as long (median; {least:.1} to {most:.1})"
@@ -71,18 +71,13 @@ fn undecided_all(winners: &Winners) -> String {
     let others = winners.contests.iter().flat_map(|contest| &contest.others);
     let blocks = others.filter_map(|other| Some(other.ratio?.count)).max().unwrap_or(0);
     let scenes = winners.contests.len();
+    let undecided = format!("Undecided in {scenes} of {scenes} scenes");
     match blocks {
         _ if winners.disturbed => NOT_JUDGED.into(),
         _ if scenes == 0 => "No times were taken: only answers, counts and memory.".into(),
         _ if !compared(winners) => "In no scene, two detectors have times.".into(),
-        ..5 => {
-            format!("Undecided in {scenes} of {scenes} scenes: {blocks} of the 5 blocks needed.")
-        }
-        _ => {
-            format!(
-                "Undecided in {scenes} of {scenes} scenes; the last column names the detectors."
-            )
-        }
+        ..5 => format!("{undecided}: {blocks} of the 5 blocks needed."),
+        _ => format!("{undecided}; the last column names the detectors."),
     }
 }
 

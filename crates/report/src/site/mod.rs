@@ -13,16 +13,14 @@ use anyhow::Context;
 use crate::document::{self, Block};
 use crate::facts::{Chapter, Facts};
 use crate::figure::style::Styles;
-use crate::page;
-use crate::sections;
 use crate::table::{Cell as Entry, Table};
+use crate::{page, sections};
 use contactbench_record::cells::{Cell, cells};
 use contactbench_record::experiment::Experiment;
 use contactbench_record::findings::winners::Contest;
 use contactbench_record::record::row::Row;
 use contactbench_terms::number::{short, with_interval};
-use contactbench_terms::text;
-use contactbench_terms::text::html as escape;
+use contactbench_terms::text::{self, html as escape};
 use field::Line;
 
 const TEMPLATE: &str = include_str!("../../assets/site/page.html");
@@ -187,9 +185,7 @@ impl<'a> Record<'a> {
         }
         page::legend(facts.cells, &facts.styles) + &document::html(&blocks)
     }
-}
 
-impl Record<'_> {
     /// Returns links to the files of the record below this address.
     fn data(&self, address: &str) -> String {
         let link = |file: &&str| {

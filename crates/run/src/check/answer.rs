@@ -10,8 +10,7 @@ use contactbench_detectors::oracle::boxes::Truth;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::limits::refusal::{Refusal, no_memory, panic_text};
 use contactbench_ground::pairs::sink::{Digest, Sink};
-use contactbench_ground::periodic::Loaded;
-use contactbench_ground::periodic::{ContactList, ImagePair};
+use contactbench_ground::periodic::{ContactList, ImagePair, Loaded};
 use contactbench_ground::probe::Tally;
 use contactbench_io::Given;
 use contactbench_lists::searcher::Searcher;
@@ -129,10 +128,9 @@ pub fn answer(
         },
         Ok(Err(refusal)) => Answer::Refused(refusal, reported),
         Err(cause) => {
-            if let Some(refusal) = no_memory(&*cause) {
-                return Answer::Wrong(Wrong::Panics(refusal.to_string()));
-            }
-            Answer::Wrong(Wrong::Panics(panic_text(&*cause).into()))
+            let refusal = no_memory(&*cause).map(|refusal| refusal.to_string());
+            let why = refusal.unwrap_or_else(|| panic_text(&*cause).into());
+            Answer::Wrong(Wrong::Panics(why))
         }
     }
 }

@@ -16,7 +16,7 @@
 //! that this method needs. Particles are added until the bytes end.
 
 use crate::check::numbers::Numbers;
-use contactbench_ground::scene::{AnyScene, SceneError};
+use contactbench_ground::scene::AnyScene;
 
 const MOST: usize = 64;
 
@@ -32,20 +32,11 @@ const PYTHAGOREAN: [([f64; 3], f64); 8] = [
     ([2.0, 6.0, 9.0], 11.0),
 ];
 
-struct Bytes<'a>(&'a [u8]);
+type Bytes<'a> = std::iter::Copied<std::slice::Iter<'a, u8>>;
 
-impl Bytes<'_> {
-    fn next(&mut self) -> Option<u8> {
-        let (&first, rest) = self.0.split_first()?;
-        self.0 = rest;
-        Some(first)
-    }
-
-    fn double(&mut self) -> Option<f64> {
-        let (first, rest) = self.0.split_first_chunk()?;
-        self.0 = rest;
-        Some(f64::from_bits(u64::from_le_bytes(*first)))
-    }
+fn double(bytes: &mut Bytes<'_>) -> Option<f64> {
+    let bits = (0..8).try_fold(0, |bits, k| Some(bits | u64::from(bytes.next()?) << (8 * k)))?;
+    Some(f64::from_bits(bits))
 }
 
 struct Maker<'a> {
@@ -70,7 +61,7 @@ struct Next {
 
 impl<'a> Maker<'a> {
     fn new(data: &'a [u8]) -> Option<Maker<'a>> {
-        let mut bytes = Bytes(data);
+        let mut bytes = data.iter().copied();
         let (form, unit, offset, radius) =
             (bytes.next()?, bytes.next()?, bytes.next()?, bytes.next()?);
         let unit =
@@ -99,7 +90,7 @@ impl<'a> Maker<'a> {
             4 => last,
             5 => nudged(last, i32::from(code / 8 % 7) - 3).max(0.0),
             6 => self.radius * libm::scalbn(1.0, i32::from(code / 8) - 16),
-            _ if code == 255 => self.bytes.double()?,
+            _ if code == 255 => double(&mut self.bytes)?,
             _ => 0.0,
         })
     }
@@ -146,7 +137,7 @@ impl<'a> Maker<'a> {
             3 => self.each(dim, |bytes, axis| {
                 Some(nudged(beside[axis], i32::from(bytes.next()? % 7) - 3))
             }),
-            4 => self.each(dim, |bytes, _| bytes.double()),
+            4 => self.each(dim, |bytes, _| double(bytes)),
             // Subnormal numbers, and somewhat larger ones.
             5 => self.each(dim, |bytes, _| {
                 let code = bytes.next()?;
@@ -178,15 +169,6 @@ impl<'a> Maker<'a> {
         }
         Some(place)
     }
-
-    fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
-        // Equal radii are not merged, because detectors have separate code for a radius per
-        // particle.
-        match self.mixed {
-            true => self.numbers.scene_of(self.numbers.radii().collect::<Vec<_>>()),
-            false => self.numbers.scene_of(self.radius),
-        }
-    }
 }
 
 pub fn nudged(x: f64, steps: i32) -> f64 {
@@ -203,7 +185,11 @@ pub fn scene_from_bytes(data: &[u8]) -> Option<AnyScene<'static>> {
         |(k, x): (usize, &f64)| x.is_finite() && (k % numbers.stride() != numbers.dim || *x >= 0.0);
     let valid =
         (maker.mixed || maker.radius.is_finite()) && numbers.values.iter().enumerate().all(valid);
-    let scene = maker.scene();
+    // Equal radii are not merged, because detectors have separate code for a radius per particle.
+    let scene = match maker.mixed {
+        true => numbers.scene_of(numbers.radii().collect::<Vec<_>>()),
+        false => numbers.scene_of(maker.radius),
+    };
     assert!(scene.is_ok() == valid, "valid: {valid}, but {:?} for {numbers:?}", scene.err());
     scene.ok()
 }

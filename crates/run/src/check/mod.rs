@@ -95,10 +95,6 @@ impl Report {
             Verdict::Right
         }
     }
-
-    pub fn has_compared(&self, detector: &str, arithmetic: Arithmetic) -> bool {
-        self.compared.contains_key(&(detector.to_string(), arithmetic.name()))
-    }
 }
 
 pub struct Failure {

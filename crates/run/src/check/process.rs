@@ -19,8 +19,7 @@ use crate::run::runner::trajectory::Trajectory;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::limits::memory::most_of_one;
 use contactbench_ground::periodic::ContactList;
-use contactbench_io::Given;
-use contactbench_io::exchange;
+use contactbench_io::{Given, exchange};
 use contactbench_record::record::row::Outcome;
 
 /// Maximum address space of a runner in bytes; enough for an interpreter and its libraries.
@@ -118,13 +117,12 @@ impl Line {
 pub(super) struct Process {
     line: Line,
     folder: TempDir,
-    used: bool,
 }
 
 impl Process {
     pub fn new(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Process> {
         let (folder, line) = (temporary()?, Line::new(foreign, deadline));
-        Ok(Process { line, folder, used: false })
+        Ok(Process { line, folder })
     }
 
     fn pairs(&mut self, given: &Given) -> anyhow::Result<Option<ContactList>> {
@@ -164,7 +162,6 @@ impl Process {
     fn answer(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
         let Question { given, truth, arithmetic, .. } = question;
         let scene = Trajectory::write_at_rest(&self.folder.path().join("scene.npy"), given)?;
-        self.used = true;
         match self.line.say(&Request::Load(scene))? {
             Reply::Loaded => {}
             Reply::Refused { reason } => return Ok(Answer::Declined(reason)),
@@ -203,9 +200,8 @@ impl Process {
 
 impl Respondent for Process {
     fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
-        if question.fresh && self.used {
+        if question.fresh {
             self.line.client = None;
-            self.used = false;
         }
         Ok(wrong(self.answer(question))?.unwrap_or_else(Answer::Wrong))
     }

@@ -4,33 +4,23 @@
 use std::path::Path;
 
 use crate::check::Failure;
-use crate::check::numbers::Numbers;
 use contactbench_ground::scene::AnyScene;
+use contactbench_io::Given;
 use contactbench_io::write::{self, SceneFormat};
 
-macro_rules! kept {
-    ($($name:literal)*) => {
-        [$((
-            $name,
-            include_str!(concat!(env!("CONTACTBENCH_ROOT"), "/tests/regressions/", $name)),
-        )),*]
-    };
-}
-
-pub const KEPT: [(&str, &str); 5] = kept! {
+pub const KEPT: [(&str, &str); 5] = crate::files! { "/tests/regressions/", "":
     "far-apart.csv" "subnormal.csv" "tangent-3-4-5.csv" "three-discs.csv" "twice-around.xyz"
 };
 
 /// Returns a scene as CSV with a header; the numbers read back to the same bits.
-pub fn as_csv(scene: &AnyScene<'_>) -> String {
-    let numbers = Numbers::new(scene);
-    let mut text = String::from(if numbers.dim == 2 { "x,y,r\n" } else { "x,y,z,r\n" });
-    for particle in numbers.values.chunks_exact(numbers.stride()) {
-        let particle: Vec<String> = particle.iter().map(|x| format!("{x:?}")).collect();
-        text.push_str(&particle.join(","));
-        text.push('\n');
-    }
-    text
+pub fn as_csv(scene: &AnyScene<'static>) -> String {
+    text(SceneFormat::Csv, &scene.clone().into())
+}
+
+fn text(format: SceneFormat, given: &Given) -> String {
+    let mut text = Vec::new();
+    let _ = write::scene_to(&mut text, format, given);
+    String::from_utf8_lossy(&text).into_owned()
 }
 
 /// Returns the text of the regression file of a failure. `path` is its path, `who` the option of
@@ -52,9 +42,7 @@ pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
     );
     if smallest.lattice.is_some() {
         // Extended XYZ cannot hold the comment.
-        let mut text = Vec::new();
-        let _ = write::scene_to(&mut text, SceneFormat::Xyz, smallest);
-        return String::from_utf8_lossy(&text).into_owned();
+        return text(SceneFormat::Xyz, smallest);
     }
     let comment: String = comment.lines().map(|line| format!("# {line}\n")).collect();
     comment + &as_csv(&smallest.scene)

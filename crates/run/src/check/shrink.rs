@@ -91,15 +91,12 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
         true
     }
 
-    /// Applies `change` to each number; returns `None` if `change` does for any of them.
-    fn changed(&self, change: impl Fn(usize, f64) -> Option<f64>) -> Option<Numbers> {
-        let values: Option<Vec<f64>> =
-            self.best.values.iter().enumerate().map(|(k, &x)| change(k, x)).collect();
-        Some(Numbers { dim: self.best.dim, values: values? })
-    }
-
+    /// Applies `change` to each number; nothing is kept if `change` returns `None` for any of them.
     fn keeps_changed(&mut self, change: impl Fn(usize, f64) -> Option<f64>) -> bool {
-        self.changed(change).is_some_and(|candidate| self.keeps(candidate))
+        let Numbers { dim, ref values } = self.best;
+        let values: Option<Vec<f64>> =
+            values.iter().enumerate().map(|(k, &x)| change(k, x)).collect();
+        values.is_some_and(|values| self.keeps(Numbers { dim, values }))
     }
 
     fn take_particles(&mut self) {

@@ -65,24 +65,18 @@ impl CheckedSubject {
                 Box::new(Thread::new(spec.clone(), options, deadline)?)
             }
             CheckedSubject::Runner(foreign) => Box::new(Process::new(foreign, deadline)?),
-            CheckedSubject::Function { ask, .. } => Box::new(Called(ask.clone())),
+            CheckedSubject::Function { ask, .. } => Box::new(ask.clone()),
         })
-    }
-
-    pub(super) fn is_slow_to_make(&self) -> bool {
-        matches!(self, CheckedSubject::Runner(_))
     }
 }
 
-struct Called(Arc<Function>);
-
-impl Respondent for Called {
+impl Respondent for Arc<Function> {
     fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
         let Question { given, truth, arithmetic, .. } = *question;
         if given.lattice.is_some() {
             return Ok(Answer::Declined("it takes open scenes only".into()));
         }
-        Ok(match (self.0)(&given.scene)? {
+        Ok(match self(&given.scene)? {
             Answer::Pairs(mut pairs) => {
                 pairs.sort_unstable();
                 Answer::of(pairs, truth, arithmetic)

@@ -5,28 +5,33 @@ use contactbench_detectors::oracle::loaded::{Difference, differences};
 use contactbench_ground::pairs::sink::Digest;
 use contactbench_ground::periodic::ImagePair;
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Wrong {
+    #[error("{0}")]
     Pairs(Differences),
+    #[error("it refuses after it has reported {0} pairs")]
     /// The detector refuses the scene after reporting this many pairs.
     RefusesLate(u64),
+    #[error("it panics: {}", .0.lines().next().unwrap_or_default())]
     Panics(String),
+    #[error("it hangs: not ready after {} s", .0.as_secs_f64())]
     Hangs(Duration),
+    #[error("it dies: {how}")]
     Dies {
         /// The cause of the runner's end and its last words, in one sentence. `errors` is the end
         /// of its standard error.
         how: String,
         errors: String,
     },
+    #[error("it breaks the protocol: {0}")]
     Breaks(String),
+    #[error("it {0}")]
     /// A function failed. The text describes how, for example `raises an error`.
     Fails(String),
+    #[error("it finds {}, which are not known", unknown(said.contacts, truth.contacts))]
     /// The digest is wrong, and the pairs are unknown, because the runner does not write them or
     /// there are too many.
-    Counts {
-        said: Digest,
-        truth: Digest,
-    },
+    Counts { said: Digest, truth: Digest },
 }
 
 /// Errors of a contact list. Each pair has the smaller index first; images are 0 in open space.
@@ -60,13 +65,8 @@ impl Differences {
 impl fmt::Display for Differences {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Differences { missed, spurious, selves, duplicate } = self;
-        write!(
-            f,
-            "{} missed, {} spurious, {} duplicate pairs",
-            missed.len(),
-            spurious.len(),
-            duplicate.len()
-        )?;
+        let [misses, added, repeated] = [missed, spurious, duplicate].map(Vec::len);
+        write!(f, "{misses} missed, {added} spurious, {repeated} duplicate pairs")?;
         if !selves.is_empty() {
             write!(f, ", {} of a particle with itself", selves.len())?;
         }
@@ -77,52 +77,19 @@ impl fmt::Display for Differences {
             ("duplicate", duplicate),
         ] {
             if !pairs.is_empty() {
-                let shown: Vec<String> =
-                    pairs.iter().take(SHOWN).map(ImagePair::to_string).collect();
-                write!(
-                    f,
-                    "; {kind} {}{}",
-                    shown.join(" "),
-                    if pairs.len() > SHOWN { " ..." } else { "" }
-                )?;
+                let shown = pairs.iter().take(SHOWN).map(ImagePair::to_string);
+                let more = if pairs.len() > SHOWN { " ..." } else { "" };
+                write!(f, "; {kind} {}{more}", shown.collect::<Vec<_>>().join(" "))?;
             }
         }
         Ok(())
     }
 }
 
-impl fmt::Display for Wrong {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Wrong::Pairs(differences) => differences.fmt(f),
-            Wrong::RefusesLate(reported) => {
-                write!(f, "it refuses after it has reported {reported} pairs")
-            }
-            Wrong::Panics(message) => {
-                write!(f, "it panics: {}", message.lines().next().unwrap_or_default())
-            }
-            Wrong::Hangs(deadline) => {
-                write!(f, "it hangs: not ready after {} s", deadline.as_secs_f64())
-            }
-            Wrong::Dies { how, .. } => write!(f, "it dies: {how}"),
-            Wrong::Fails(what) => write!(f, "it {what}"),
-            Wrong::Breaks(what) => write!(f, "it breaks the protocol: {what}"),
-            Wrong::Counts { said, truth } if said.contacts == truth.contacts => {
-                write!(
-                    f,
-                    "it finds the right number of pairs ({}), but other pairs, which are not known",
-                    said.contacts
-                )
-            }
-            Wrong::Counts { said, truth } => {
-                write!(
-                    f,
-                    "it finds {} pairs instead of {}, which are not known",
-                    said.contacts, truth.contacts
-                )
-            }
-        }
+/// Formats numbers of pairs that are found, while the pairs are not known.
+fn unknown(said: u64, truth: u64) -> String {
+    match said == truth {
+        true => format!("the right number of pairs ({said}), but other pairs"),
+        false => format!("{said} pairs instead of {truth}"),
     }
 }
-
-impl std::error::Error for Wrong {}

@@ -5,21 +5,12 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow};
 
-use crate::plan::{self, text_of};
+use crate::plan;
 use contactbench_record::experiment::Experiment;
 use contactbench_scenes::spec::GENERATORS;
 use contactbench_terms::nearest::hint;
 
-macro_rules! files {
-    ($($name:literal)*) => {
-        &[$((
-            $name,
-            include_str!(concat!(env!("CONTACTBENCH_ROOT"), "/experiments/", $name, ".toml")),
-        )),*]
-    };
-}
-
-pub const FILES: &[(&str, &str)] = files! {
+pub const FILES: &[(&str, &str)] = &crate::files! { "/experiments/", ".toml":
     "scaling" "book" "arithmetic" "speed-error" "hard-cases" "vectors" "scale" "sizes" "periodic"
     "motion" "rebuilds" "peers" "neighbours" "codes"
 };
@@ -51,7 +42,7 @@ pub fn find(name: &str) -> anyhow::Result<(Experiment, String)> {
             known.join(", ")
         ));
     }
-    let read = text_of(path).and_then(|text| Ok((plan::read(path)?, text)));
+    let read = plan::read(path);
     if path.extension().is_some_and(|ending| ending == "toml") {
         return read;
     }

@@ -3,10 +3,8 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use contactbench_detectors::table;
-use contactbench_detectors::table::{Group, TABLE};
-use contactbench_detectors::tracker;
-use contactbench_detectors::tracker::TrackerError;
+use contactbench_detectors::table::{self, Group, TABLE};
+use contactbench_detectors::tracker::{self, TrackerError};
 use contactbench_record::experiment::twice;
 use contactbench_record::record::role::Role;
 use contactbench_terms::nearest::hint;

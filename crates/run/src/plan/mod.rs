@@ -22,15 +22,6 @@ use contactbench_terms::nearest::hint;
 const MOST_BYTES: u64 = 1 << 20;
 pub const THREADS: &str = "{threads}";
 
-pub fn text_of(path: &Path) -> anyhow::Result<String> {
-    let mut bytes = Vec::new();
-    let file = std::fs::File::open(path);
-    file.and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
-        .with_context(|| format!("cannot read the experiment {}", path.display()))?;
-    short_enough(bytes.len()).with_context(|| format!("in {}", path.display()))?;
-    String::from_utf8(bytes).with_context(|| format!("{} is not text (UTF-8)", path.display()))
-}
-
 fn short_enough(len: usize) -> anyhow::Result<()> {
     ensure!(
         len as u64 <= MOST_BYTES,
@@ -41,17 +32,21 @@ fn short_enough(len: usize) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads an experiment file for a new run. Claims and figures may name only rows that the run will
-/// have.
-pub fn read(path: &Path) -> anyhow::Result<Experiment> {
-    let text = text_of(path)?;
-    let named = || {
-        let (experiment, document) =
-            checked(&text, path.parent().unwrap_or(Path::new(".")), false)?;
-        experiment.check_names(&document)?;
-        anyhow::Ok(experiment)
-    };
-    named().with_context(|| format!("in {}", path.display()))
+/// Reads an experiment file for a new run, and returns its text, too. Claims and figures may name
+/// only rows that the run will have.
+pub fn read(path: &Path) -> anyhow::Result<(Experiment, String)> {
+    let place = || format!("in {}", path.display());
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path);
+    file.and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+        .with_context(|| format!("cannot read the experiment {}", path.display()))?;
+    short_enough(bytes.len()).with_context(place)?;
+    let text = String::from_utf8(bytes);
+    let text = text.with_context(|| format!("{} is not text (UTF-8)", path.display()))?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let (experiment, document) = checked(&text, folder, false).with_context(place)?;
+    experiment.check_names(&document).with_context(place)?;
+    Ok((experiment, text))
 }
 
 /// Parses and checks the text of an experiment; file names of scenes are relative to `folder`.

@@ -7,7 +7,7 @@ use anyhow::{Context, anyhow, bail, ensure};
 
 use contactbench_record::experiment::{Experiment, SceneSweep};
 use contactbench_record::record::id::CellId;
-use contactbench_scenes::spec::{Generator, Order, Spec, Trajectory};
+use contactbench_scenes::spec::{Order, Spec, Trajectory};
 use contactbench_scenes::{generate, hard};
 
 /// Maximum number of scenes: a report compares all of them with the record, in seconds.
@@ -50,12 +50,10 @@ pub fn id(experiment: &Experiment, spec: &Spec) -> CellId {
 }
 
 pub(super) fn own_n(experiment: &Experiment) -> BTreeSet<String> {
-    let own = generators(experiment).filter(|generator| generator.own_n);
+    let sweeps = experiment.scenes.iter();
+    let generators = sweeps.filter_map(|sweep| generate::table::find(&sweep.name).ok());
+    let own = generators.filter(|generator| generator.own_n);
     own.map(|generator| generator.name.to_string()).collect()
-}
-
-fn generators(experiment: &Experiment) -> impl Iterator<Item = &'static Generator> {
-    experiment.scenes.iter().filter_map(|sweep| generate::table::find(&sweep.name).ok())
 }
 
 fn bounded(experiment: &Experiment, sweeps: &[SceneSweep]) -> anyhow::Result<()> {
@@ -162,18 +160,13 @@ fn axes(sweep: &SceneSweep, dim: u32) -> Vec<(&str, Vec<toml::Value>)> {
 }
 
 fn combinations(axes: &[(&str, Vec<toml::Value>)]) -> Vec<BTreeMap<String, toml::Value>> {
-    let mut all = vec![BTreeMap::new()];
-    for (name, values) in axes {
-        all = all
-            .into_iter()
-            .flat_map(|head| {
-                values.iter().map(move |value| {
-                    let mut head = head.clone();
-                    head.insert((*name).to_string(), value.clone());
-                    head
-                })
-            })
-            .collect();
-    }
-    all
+    axes.iter().fold(vec![BTreeMap::new()], |all, (name, values)| {
+        let with = |(head, value): (&BTreeMap<_, _>, &toml::Value)| {
+            let mut head = head.clone();
+            head.insert(name.to_string(), value.clone());
+            head
+        };
+        let pairs = all.iter().flat_map(|head| values.iter().map(move |value| (head, value)));
+        pairs.map(with).collect()
+    })
 }

@@ -33,10 +33,7 @@ impl Origins {
         subject: &Subject,
         client: &Client,
     ) -> anyhow::Result<Option<String>> {
-        let (program, arguments) = match &*subject.start.command {
-            [program, arguments @ ..] => (program, arguments),
-            [] => return Ok(None),
-        };
+        let [program, arguments @ ..] = &*subject.start.command else { return Ok(None) };
         let mut files = vec![self.executed(running(client.process(), program))];
         // A runner's command may name a script after its interpreter.
         let named = arguments.iter().map(PathBuf::from).filter(|_| subject.role == Role::Runner);

@@ -7,21 +7,20 @@ use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
 use crate::plan::{builtin, detectors};
-use crate::run::machine::interrupt;
-use crate::run::machine::temporary;
+use crate::run::machine::{interrupt, temporary};
 use crate::run::origins::{Origins, fingerprint};
 use crate::run::plan::{self, Job, Planned, describe};
 use crate::run::stage::{Log, Progress, Stage};
 use crate::run::subject::is_build;
+use contactbench_io::write;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::experiment::shard::Shard;
 use contactbench_record::record::faults;
-use contactbench_record::record::folder::copies;
 use contactbench_record::record::folder::done::{Index, TooSlow};
 use contactbench_record::record::folder::ledger::{self, Ledger};
+use contactbench_record::record::folder::{self, copies};
 use contactbench_record::record::origin::{machines, provenance};
-use contactbench_record::record::row::{Record, Row, Writer};
-use contactbench_record::record::{folder, row};
+use contactbench_record::record::row::{self, Record, Row, Writer};
 
 pub struct Asked {
     pub experiments: Vec<(Experiment, String)>,
@@ -117,10 +116,7 @@ pub fn run(
     let log = Log { record, origins, progress, too_slow, noted, span: None, latest: Vec::new() };
     measure(&job, &scenes, &done.rows, scenes_folder.path(), log).map_err(|error| {
         let of_disk = |cause: &(dyn std::error::Error + 'static)| cause.is::<std::io::Error>();
-        match error.chain().any(of_disk) {
-            true => Stopped(error).into(),
-            false => error,
-        }
+        if error.chain().any(of_disk) { Stopped(error).into() } else { error }
     })?;
     Ok(scenes.len())
 }
@@ -170,7 +166,7 @@ fn write_origin(
     };
     let texts: Vec<(String, String)> = asked.experiments.iter().map(full).collect();
     for (name, text) in &texts {
-        write(&copy(folder, name), text.as_bytes())?;
+        save(&copy(folder, name), text.as_bytes())?;
     }
     let file = if first || !folder.join(provenance::FILE).exists() {
         provenance::FILE.into()
@@ -184,7 +180,7 @@ fn write_origin(
     if let Some(base) = base {
         provenance[BASE] = base.into();
     }
-    write(&folder.join(file), provenance::text(&provenance)?.as_bytes())
+    save(&folder.join(file), provenance::text(&provenance)?.as_bytes())
 }
 
 fn other_build(path: &Path) -> anyhow::Result<PathBuf> {
@@ -288,9 +284,7 @@ fn previous(
     Ok(record)
 }
 
-fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    let part = path.with_extension("part");
-    std::fs::write(&part, bytes)
-        .and_then(|()| std::fs::rename(&part, path))
+fn save(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write::whole(path, |out| out.write_all(bytes))
         .with_context(|| format!("cannot write {}", path.display()))
 }

@@ -6,8 +6,7 @@ use std::time::Duration;
 
 use crate::plan::{self, THREADS, detectors, memory_limit, says_threads};
 use crate::run::runner::client::{Client, Failure, Start};
-use contactbench_detectors::tracker;
-use contactbench_detectors::tracker::TrackerSpec;
+use contactbench_detectors::tracker::{self, TrackerSpec};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::scene::AnyScene;
 use contactbench_record::experiment::{Experiment, ExternalRunner, PlannedSubject};

@@ -42,10 +42,6 @@ fn sum(image: [i32; 3], vectors: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (0..3).map(|v| f64::from(image[v]) * vectors[v][k]).sum())
 }
 
-fn add(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
-    std::array::from_fn(|v| a[v].wrapping_add(b[v]))
-}
-
 /// Finds the nearest image. Vectors are reduced to be as short as possible. Then the nearest image
 /// is among those next to the rounded fractions (as in `minimum_image` of ASE).
 struct Nearest {
@@ -84,7 +80,8 @@ impl Nearest {
         let steps = |v: usize| if self.duals[v] == [0.0; 3] { 0..=0 } else { -1..=1 };
         let others = steps(0).flat_map(|x| steps(1).map(move |y| (x, y)));
         let others = others.flat_map(|(x, y)| steps(2).map(move |z| [x, y, z]));
-        for by in others.map(|step| add(about, step)) {
+        for step in others {
+            let by = std::array::from_fn(|v| about[v].wrapping_add(step[v]));
             if best.0 <= self.near {
                 break;
             }

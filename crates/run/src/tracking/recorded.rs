@@ -3,9 +3,8 @@
 use anyhow::{Context, bail, ensure};
 
 use contactbench_ground::scene::Lattice;
-use contactbench_io::Given;
 use contactbench_io::boxes::along;
-use contactbench_io::{About, Particles};
+use contactbench_io::{About, Given, Particles};
 
 /// Frames of the same particles, with the same periodic axes. Particles are identified and sorted
 /// by their ids; a file without ids must keep their order.
@@ -62,13 +61,10 @@ impl First {
     fn same(&self, particles: &Particles) -> anyhow::Result<()> {
         let remedy = "a motion needs the same particles: write all of them in every frame, or use \
                       only the frames before (--frames)";
+        let (n, dim, First { len, dim: first, .. }) = (particles.len(), particles.dim(), self);
         ensure!(
-            particles.len() == self.len && particles.dim() == self.dim,
-            "{} particles in {}D, and {} in {}D in the first frame; {remedy}",
-            particles.len(),
-            particles.dim(),
-            self.len,
-            self.dim
+            n == *len && dim == *first,
+            "{n} particles in {dim}D, and {len} in {first}D in the first frame; {remedy}"
         );
         let repeats = repeats(particles);
         ensure!(

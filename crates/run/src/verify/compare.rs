@@ -1,8 +1,8 @@
 //! Compares a contact list with the true contacts.
 
 use crate::tracking::nearest;
+use crate::verify::Verification;
 use crate::verify::listing::Listing;
-use contactbench_detectors::oracle::Errors;
 use contactbench_detectors::oracle::loaded::{Difference, differences};
 use contactbench_ground::periodic::{ContactList, ImagePair, Periodic, depth};
 use contactbench_scenes::touching::gap;
@@ -30,27 +30,13 @@ pub(super) struct Against<'a> {
     pub kept: usize,
 }
 
-#[derive(Clone, Debug, Default)]
-pub(super) struct Compared {
-    pub taken: Taken,
-    pub errors: Errors,
-    pub missed: Worst,
-    pub spurious: Worst,
-    /// Repeated pairs, at most `kept`.
-    pub repeated: Vec<ImagePair>,
-    /// Particles listed with themselves, at most `kept`.
-    pub selves: Vec<ImagePair>,
-    /// Number of listed pairs that do not touch but are within the skin.
-    pub within_skin: u64,
-}
-
 impl Against<'_> {
     /// Compares the contacts of a list. Without images, a list may name each pair once or as often
     /// as its images touch; the interpretation with fewer errors is used.
-    pub fn hold(&self, listing: &Listing) -> Compared {
+    pub fn hold(&self, listing: &Listing) -> Verification {
         let listed = &listing.contacts;
         if listing.has_images {
-            return Compared { taken: Taken::Images, ..self.compare(listed, self.truth) };
+            return Verification { taken: Taken::Images, ..self.compare(listed, self.truth) };
         }
         if !self.space.lattice().repeats() && self.truth.shifted.is_empty() {
             return self.compare(listed, self.truth);
@@ -63,46 +49,58 @@ impl Against<'_> {
         }
         let each = self.compare(&self.with_images(listed, false), self.truth);
         match once.errors.wrong() < each.errors.wrong() {
-            true => Compared { taken: Taken::Once, ..once },
-            false => Compared { taken: Taken::Each, ..each },
+            true => Verification { taken: Taken::Once, ..once },
+            false => Verification { taken: Taken::Each, ..each },
         }
     }
 
-    fn compare(&self, listed: &ContactList, truth: &ContactList) -> Compared {
-        let mut found = Compared::default();
+    fn compare(&self, listed: &ContactList, truth: &ContactList) -> Verification {
+        let mut found = Verification::default();
         differences(&listed.plain, &truth.plain, |kind, [i, j]| {
             self.note(&mut found, kind, ImagePair::new(i, j, [0; 3]));
         });
         differences(&listed.shifted, &truth.shifted, |kind, pair| {
             self.note(&mut found, kind, pair);
         });
-        let Compared { errors, missed, spurious, .. } = &mut found;
-        missed.keep(self.kept);
-        spurious.keep(self.kept);
-        (errors.missed, errors.deepest_miss) = (missed.count, missed.largest);
-        (errors.spurious, errors.widest_false) = (spurious.count, spurious.largest);
+        worst_first(&mut found.missed, self.kept);
+        worst_first(&mut found.spurious, self.kept);
         found
     }
 
-    fn note(&self, found: &mut Compared, kind: Difference, pair: ImagePair) {
+    fn note(&self, found: &mut Verification, kind: Difference, pair: ImagePair) {
         let own = pair.i == pair.j && pair.image == [0; 3];
+        let errors = &mut found.errors;
         match kind {
             Difference::Repeated => {
-                found.errors.duplicate += 1;
+                errors.duplicate += 1;
                 found.repeated.extend((found.repeated.len() < self.kept).then_some(pair));
             }
-            Difference::Missed => found.missed.add(pair, depth(self.space, pair), self.kept),
+            Difference::Missed => {
+                errors.missed += 1;
+                self.add(&mut found.missed, &mut errors.deepest_miss, pair);
+            }
             Difference::Added if own => {
-                found.errors.self_pairs += 1;
+                errors.self_pairs += 1;
                 found.selves.extend((found.selves.len() < self.kept).then_some(pair));
             }
             Difference::Added if self.skin > 0.0 && gap(self.space, pair) <= self.skin => {
                 found.within_skin += 1;
             }
             Difference::Added => {
-                found.spurious.add(pair, depth(self.space, pair), self.kept);
-                found.spurious.gap = found.spurious.gap.max(gap(self.space, pair));
+                errors.spurious += 1;
+                self.add(&mut found.spurious, &mut errors.widest_false, pair);
+                found.widest_gap = found.widest_gap.max(gap(self.space, pair));
             }
+        }
+    }
+
+    /// Adds a wrong pair to the worst ones, and updates the largest depth.
+    fn add(&self, worst: &mut Vec<(ImagePair, f64)>, largest: &mut f64, pair: ImagePair) {
+        let depth = depth(self.space, pair);
+        *largest = largest.max(depth.abs());
+        worst.push((pair, depth));
+        if worst.len() >= self.kept.saturating_mul(2).max(1) {
+            worst_first(worst, self.kept);
         }
     }
 
@@ -156,28 +154,7 @@ fn several(contacts: &ContactList) -> bool {
         || shifted.iter().any(|pair| plain.binary_search(&[pair.i, pair.j]).is_ok())
 }
 
-#[derive(Clone, Debug, Default)]
-pub(super) struct Worst {
-    /// Pairs with their depth in mean radii, which is negative for a gap.
-    pub pairs: Vec<(ImagePair, f64)>,
-    pub count: u64,
-    largest: f64,
-    /// Widest gap, as a length.
-    pub gap: f64,
-}
-
-impl Worst {
-    fn add(&mut self, pair: ImagePair, depth: f64, kept: usize) {
-        self.count += 1;
-        self.largest = self.largest.max(depth.abs());
-        self.pairs.push((pair, depth));
-        if self.pairs.len() >= kept.saturating_mul(2).max(1) {
-            self.keep(kept);
-        }
-    }
-
-    fn keep(&mut self, kept: usize) {
-        self.pairs.sort_by(|(p, a), (q, b)| b.abs().total_cmp(&a.abs()).then(p.cmp(q)));
-        self.pairs.truncate(kept);
-    }
+fn worst_first(pairs: &mut Vec<(ImagePair, f64)>, kept: usize) {
+    pairs.sort_by(|(p, a), (q, b)| b.abs().total_cmp(&a.abs()).then(p.cmp(q)));
+    pairs.truncate(kept);
 }

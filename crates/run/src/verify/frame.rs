@@ -4,8 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::verify::{self, Allowed, Job, Listed, Meaning, Naming, Reading};
-use crate::verify::{Terms, Verification};
+use crate::verify::{self, Allowed, Job, Listed, Meaning, Naming, Reading, Terms, Verification};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::Periodic;
 use contactbench_ground::scene::{AnyScene, Lattice};
@@ -126,10 +125,7 @@ impl Verified {
         let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
         let job = Job { space: &space, list: listed, naming: &naming, others: &others, terms };
         let found = verify::verify(&job)?;
-        let hint = match explain {
-            true => verify::explain(&job, &found)?,
-            false => None,
-        };
+        let hint = if explain { verify::explain(&job, &found)? } else { None };
         Ok(Verified { list, naming: naming.meaning(), ids, space, found, hint })
     }
 

@@ -17,29 +17,25 @@ use contactbench_terms::number::plural;
 /// Bytes of memory for a missed pair while later frames are searched for it.
 const FOLLOWED: u64 = 128;
 
-/// The result for one frame.
+/// The result for one frame, with the names of its JSON.
+#[derive(serde::Serialize)]
 pub struct FrameResult {
     pub frame: u64,
     pub step: Option<i64>,
+    #[serde(rename = "n")]
     pub particles: usize,
     pub contacts: u64,
+    #[serde(rename = "reported")]
     pub listed: usize,
+    pub same: bool,
+    #[serde(skip)]
+    pub wrong: u64,
     pub errors: Errors,
     /// Number of pairs with unknown particles.
     pub unknown: usize,
     /// Number of pairs listed from one side only.
     pub one_sided: usize,
     pub within_skin: u64,
-}
-
-impl FrameResult {
-    pub fn wrong(&self) -> u64 {
-        self.errors.wrong() + (self.unknown + self.one_sided) as u64
-    }
-
-    pub fn is_same(&self) -> bool {
-        self.wrong() == 0
-    }
 }
 
 /// The results for all frames.
@@ -64,10 +60,6 @@ pub struct All {
 }
 
 impl All {
-    pub fn new(several: bool) -> All {
-        All { several, ..All::default() }
-    }
-
     /// Compares a frame with its list.
     ///
     /// # Errors
@@ -126,6 +118,8 @@ impl All {
             particles: verified.scene().len(),
             contacts: found.truth.len(),
             listed: list.pairs.len(),
+            same: found.is_same(),
+            wrong: found.wrong(),
             errors: found.errors,
             unknown: found.unknown.len(),
             one_sided: found.one_sided.len(),
@@ -156,13 +150,8 @@ impl All {
         self.late.note(self.rows.len() as u64, &names, depth_of);
     }
 
-    /// Completes the results after the last frame.
-    pub fn end(&mut self) {
-        self.late.end();
-    }
-
     pub fn is_same(&self) -> bool {
-        self.rows.iter().all(FrameResult::is_same)
+        self.rows.iter().all(|row| row.same)
     }
 
     pub fn errors(&self) -> Errors {
@@ -173,8 +162,8 @@ impl All {
 
     /// Returns the first wrong frame and the worst frame; `None` if all are right.
     pub fn worst(&self) -> Option<[&FrameResult; 2]> {
-        let first = self.rows.iter().find(|row| !row.is_same())?;
-        let worst = self.rows.iter().reduce(|a, b| if b.wrong() > a.wrong() { b } else { a })?;
+        let first = self.rows.iter().find(|row| !row.same)?;
+        let worst = self.rows.iter().reduce(|a, b| if b.wrong > a.wrong { b } else { a })?;
         Some([first, worst])
     }
 
@@ -185,9 +174,9 @@ impl All {
         if rows.len() <= most {
             return rows;
         }
-        rows.retain(|row| !row.is_same());
+        rows.retain(|row| !row.same);
         let first = rows.first().copied();
-        rows.sort_by_key(|row| std::cmp::Reverse(row.wrong()));
+        rows.sort_by_key(|row| std::cmp::Reverse(row.wrong));
         rows.truncate(most);
         if let Some(first) = first.filter(|first| rows.iter().all(|row| row.frame != first.frame)) {
             rows.truncate(most - 1);

@@ -1,12 +1,12 @@
 //! Tests whether a common mistake explains a list that differs from the truth.
 
 use crate::verify::compare::Against;
+use crate::verify::frames::counted;
 use crate::verify::listing::{Listing, Meaning};
 use crate::verify::{Allowed, Job, Naming, Verification, WORST, truth, within};
 use contactbench_detectors::near::contacts;
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::ContactList;
-use contactbench_terms::number::plural;
 
 /// Memory that the tests may need, in bytes per pair of the list and of the truth.
 const TEST_BYTES: u64 = 128;
@@ -130,10 +130,9 @@ fn rounded_up(value: f64) -> f64 {
 
 impl Reading {
     pub fn sentence(&self) -> String {
-        let pairs = |count: u64| plural(usize::try_from(count).unwrap_or(usize::MAX), "pair");
         let result = match self.wrong {
             0 => "the whole list agrees".into(),
-            wrong => format!("all but {} agree", pairs(wrong)),
+            wrong => format!("all but {} agree", counted(wrong, "pair")),
         };
         format!("with {}, {result}", self.mistake.words())
     }

@@ -12,8 +12,8 @@ mod listing;
 mod mistake;
 pub mod paired;
 
+use compare::Against;
 pub use compare::Taken;
-use compare::{Against, Compared};
 use listing::Listing;
 pub use listing::{Listed, Meaning, NamedPair, Naming};
 pub use mistake::{Mistake, Reading, explain};
@@ -21,12 +21,10 @@ pub use mistake::{Mistake, Reading, explain};
 use crate::run::judge::{Judge, Said};
 use crate::run::runner::protocol::Found;
 use contactbench_detectors::near::contacts;
-use contactbench_detectors::oracle;
-use contactbench_detectors::oracle::{Causes, Errors, NoTruth};
+use contactbench_detectors::oracle::{self, Causes, Errors, NoTruth};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_ground::periodic::{ContactList, ImagePair, Periodic};
-use contactbench_io::Given;
-use contactbench_io::{Groups, boxes};
+use contactbench_io::{Given, Groups, boxes};
 use contactbench_scenes::touching::gap;
 
 /// Maximum number of kept pairs of each kind, missed or spurious, by default.
@@ -62,7 +60,7 @@ pub struct Job<'a> {
     pub terms: Terms<'a>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Verification {
     pub truth: ContactList,
     pub errors: Errors,
@@ -120,23 +118,9 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
         false => ContactList::default(),
     };
     let against = Against { space, truth: &truth, near: &near, skin, kept };
-    let Compared { taken, errors, missed, spurious, repeated, selves, within_skin } =
-        against.hold(&listing);
+    let found = against.hold(&listing);
     let Listing { unknown, one_sided, .. } = listing;
-    Ok(Verification {
-        truth,
-        errors,
-        unknown,
-        missed: missed.pairs,
-        widest_gap: spurious.gap,
-        spurious: spurious.pairs,
-        repeated,
-        selves,
-        one_sided,
-        within_skin,
-        taken,
-        left_out,
-    })
+    Ok(Verification { truth, unknown, one_sided, left_out, ..found })
 }
 
 /// Returns errors by cause of a list whose contacts were decided in `arithmetic`; `None` without a
@@ -165,13 +149,10 @@ fn truth(space: &Periodic<'_>, arithmetic: Arithmetic, limit: u64) -> Result<Con
 
 /// Returns all pairs whose gap is at most `most` (a length), sorted.
 fn within(space: &Periodic<'_>, most: f64, limit: u64) -> anyhow::Result<ContactList> {
-    let near = contacts(&space.resized(|r| with_skin(r, most))?, limit)?;
+    // At these radii, particles touch if the gap between them is at most `most`.
+    let wide = space.resized(|r| ((r + most / 2.0) * (1.0 + 1e-9)).min(f64::MAX))?;
+    let near = contacts(&wide, limit)?;
     Ok(near.into_iter().filter(|&pair| gap(space, pair) <= most).collect())
-}
-
-/// Returns a radius at which particles touch if the gap between them is at most `skin`.
-fn with_skin(r: f64, skin: f64) -> f64 {
-    ((r + skin / 2.0) * (1.0 + 1e-9)).min(f64::MAX)
 }
 
 #[cfg(test)]

@@ -6,8 +6,7 @@ use anyhow::{bail, ensure};
 
 use super::Check;
 use super::failing::last_words;
-use contactbench_detectors::table;
-use contactbench_detectors::table::TABLE;
+use contactbench_detectors::table::{self, TABLE};
 use contactbench_ground::contact::Arithmetic;
 use contactbench_run::check::process::{self, Foreign};
 use contactbench_run::check::subject::CheckedSubject;

@@ -17,7 +17,6 @@ use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::{terminal, values};
 use contactbench_ground::contact::Arithmetic;
-use contactbench_ground::detect::Options;
 use contactbench_io::Given;
 use contactbench_run::check::{self, Limits, Report, Verdict, Wrong};
 use contactbench_run::run::machine::interrupt;
@@ -161,16 +160,10 @@ fn limits(options: &Check) -> anyhow::Result<Limits> {
         !options.scene.is_empty() || !options.input.is_said(),
         "{OPTIONS} need a particle file; name one with --scene"
     );
-    Ok(Limits {
-        seeds: options.seeds,
-        time: Duration::from_secs_f64(seconds),
-        deadline: Duration::from_secs_f64(deadline),
-        options: Options {
-            memory_limit: options.memory_limit.unwrap_or(Limits::default().options.memory_limit),
-            ..Limits::default().options
-        },
-        ..Limits::default()
-    })
+    let mut limits = Limits { seeds: options.seeds, ..Limits::default() };
+    [limits.time, limits.deadline] = [seconds, deadline].map(Duration::from_secs_f64);
+    limits.options.memory_limit = options.memory_limit.unwrap_or(limits.options.memory_limit);
+    Ok(limits)
 }
 
 /// Prints failures, refusals and, for generated scenes, what was tried.

@@ -11,41 +11,42 @@ use contactbench_run::check::{Failure, Verdict, Wrong};
 /// Returns a case for every detector, arithmetic and scene.
 pub(super) fn verdicts(reports: &[Checked<'_>], broken: &[Wrong], options: &Check) -> Vec<Case> {
     let case = |wrong: &Wrong| Case {
-        class: "protocol".into(),
-        name: "conversation".into(),
-        result: Outcome::Failed(wrong.to_string()),
+        outcome: Outcome::Failed,
+        why: wrong.to_string(),
+        ..Case::passed("protocol", "conversation")
     };
     let mut cases: Vec<Case> = broken.iter().map(case).collect();
     for Checked { group, report, path } in reports {
-        let class = path.unwrap_or("generated").to_string();
+        let class = path.unwrap_or("generated");
         for arithmetic in &group.arithmetics {
             for name in group.names() {
                 let wrong = |any: bool| {
                     let mut failures = report.failures.iter();
                     failures.find(|it| it.detector == name && (any || it.arithmetic == *arithmetic))
                 };
+                let compared = report.compared.contains_key(&(name.into(), arithmetic.name()));
                 let nothing = || "nothing was compared, because every scene was refused".into();
-                let result = match (wrong(false), wrong(true)) {
+                let (outcome, why) = match (wrong(false), wrong(true)) {
                     (Some(failure), _) => {
                         let Failure { found_on, found, .. } = failure;
                         let file = regression_file(failure, *path, options).display().to_string();
                         let why = format!("on {found_on}: {found}; smallest failing scene: {file}");
-                        Outcome::Failed(why)
+                        (Outcome::Failed, why)
                     }
-                    (None, Some(other)) => Outcome::Skipped(format!(
-                        "not finished, because it is wrong in {}",
-                        other.arithmetic.name()
-                    )),
-                    _ if report.has_compared(name, *arithmetic) => Outcome::Passed,
+                    (None, Some(other)) => {
+                        let arithmetic = other.arithmetic.name();
+                        (
+                            Outcome::Skipped,
+                            format!("not finished, because it is wrong in {arithmetic}"),
+                        )
+                    }
+                    _ if compared => (Outcome::Passed, String::new()),
                     // This detector refused every scene: a failure only if all others did, too.
-                    _ if report.verdict() == Verdict::Nothing => Outcome::Failed(nothing()),
-                    _ => Outcome::Skipped(nothing()),
+                    _ if report.verdict() == Verdict::Nothing => (Outcome::Failed, nothing()),
+                    _ => (Outcome::Skipped, nothing()),
                 };
-                cases.push(Case {
-                    class: class.clone(),
-                    name: format!("{name}, {} arithmetic", arithmetic.name()),
-                    result,
-                });
+                let name = format!("{name}, {} arithmetic", arithmetic.name());
+                cases.push(Case { outcome, why, ..Case::passed(class, &name) });
             }
         }
     }
@@ -104,11 +105,6 @@ pub(super) fn as_json(
 
 /// Returns each name once, in the order of its first place.
 fn once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut all = Vec::new();
-    for name in names {
-        if !all.contains(&name) {
-            all.push(name);
-        }
-    }
-    all
+    let mut seen = std::collections::BTreeSet::new();
+    names.filter(|name| seen.insert(*name)).collect()
 }

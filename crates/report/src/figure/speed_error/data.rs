@@ -78,6 +78,8 @@ impl Plot {
             });
             let name = across.as_deref().unwrap_or_default();
             let panels = columns.iter().map(|((_, value), cells)| {
+                let shown =
+                    |it: &AxisValue| it.number().map_or_else(|| it.to_string(), axis::plain);
                 let title = value.as_ref().map(|value| format!("{name} = {}", shown(value)));
                 Panel::new(title.unwrap_or_default(), cells, options.against, &arithmetics)
             });
@@ -138,10 +140,6 @@ fn across(options: &SpeedError, cells: &[&Cell]) -> Option<String> {
     label::swept(cells).into_iter().max_by_key(values)
 }
 
-fn shown(value: &AxisValue) -> String {
-    value.number().map_or_else(|| value.to_string(), axis::plain)
-}
-
 /// Returns the name that decides the colour of a mark.
 fn detector(cell: &Cell) -> String {
     cell.id.subject_without(&["skin"])
@@ -176,13 +174,18 @@ fn find_front(marks: &mut [Mark]) {
     }
 }
 
-#[test]
-fn the_front_has_neither_slower_nor_worse() {
-    // The points have equal errors or times, or are identical, dominated, or slow without errors.
-    let points = [(5, 3), (4, 3), (4, 9), (2, 7), (2, 7), (3, 8), (9, 0), (12, 0)];
-    let points = points.map(|(time, rate)| (f64::from(time), f64::from(rate)));
-    let mut marks = points.map(|(time, rate)| Mark { time, rate, ..Mark::default() });
-    find_front(&mut marks);
-    let front = marks.iter().filter(|mark| mark.front).map(|mark| (mark.time, mark.rate));
-    assert_eq!(front.collect::<Vec<_>>(), [(2.0, 7.0), (4.0, 3.0), (9.0, 0.0)]);
+#[cfg(test)]
+mod tests {
+    use super::{Mark, find_front};
+
+    #[test]
+    fn the_front_has_neither_slower_nor_worse() {
+        // The points have equal errors or times, or are identical, dominated, or slow without errors.
+        let points = [(5, 3), (4, 3), (4, 9), (2, 7), (2, 7), (3, 8), (9, 0), (12, 0)];
+        let points = points.map(|(time, rate)| (f64::from(time), f64::from(rate)));
+        let mut marks = points.map(|(time, rate)| Mark { time, rate, ..Mark::default() });
+        find_front(&mut marks);
+        let front = marks.iter().filter(|mark| mark.front).map(|mark| (mark.time, mark.rate));
+        assert_eq!(front.collect::<Vec<_>>(), [(2.0, 7.0), (4.0, 3.0), (9.0, 0.0)]);
+    }
 }

@@ -274,10 +274,7 @@ fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
 
 /// Formats the smallest slowdown that a comparison can detect: `12%`, `47 times`.
 fn seen(least: f64) -> String {
-    match least < 2.0 {
-        true => percent(least - 1.0),
-        false => format!("{least:.0} times"),
-    }
+    if least < 2.0 { percent(least - 1.0) } else { format!("{least:.0} times") }
 }
 
 /// Explains why times cannot be gated; `None` if they can.

@@ -30,18 +30,14 @@ fn floor(found: &Noise) -> String {
 }
 
 fn sentence(twin: &Twin) -> String {
+    let Twin { name, original, cells, outside, .. } = twin;
+    let [overall, worst] = [&twin.overall, &twin.worst].map(with_interval);
+    let [typical, by_chance] = [twin.typical, twin.by_chance].map(percent);
+    let all = plural(*cells, "cell");
     format!(
-        "{} is the code of {}, measured again as a second subject. Over {} it takes {} times as \
-         long. In a cell the two typically differ by {}, at worst by a factor of {}. {} of {} \
-         intervals exclude 1; by chance {} of them would.",
-        twin.name,
-        twin.original,
-        plural(twin.cells, "cell"),
-        with_interval(&twin.overall),
-        percent(twin.typical),
-        with_interval(&twin.worst),
-        twin.outside,
-        twin.cells,
-        percent(twin.by_chance),
+        "{name} is the code of {original}, measured again as a second subject. Over {all} it takes \
+         {overall} times as long. In a cell the two typically differ by {typical}, at worst by a \
+         factor of {worst}. {outside} of {cells} intervals exclude 1; by chance {by_chance} of \
+         them would."
     )
 }

@@ -5,14 +5,10 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use crate::run::judge::{Nothing, kept, nothing};
-use contactbench_detectors::oracle;
-use contactbench_detectors::oracle::boxes;
 use contactbench_detectors::oracle::loaded::depth;
-use contactbench_detectors::oracle::{Causes, Errors, NoTruth, compare_by};
+use contactbench_detectors::oracle::{self, Causes, Errors, NoTruth, boxes, compare_by};
 use contactbench_ground::contact::Arithmetic;
-use contactbench_ground::pairs::sink::Digest;
-use contactbench_ground::periodic::Loaded;
-use contactbench_ground::periodic::{ContactList, ImagePair};
+use contactbench_ground::periodic::{ContactList, ImagePair, Loaded};
 use contactbench_io::Given;
 
 pub(super) struct JudgedFrame<'a> {
@@ -27,28 +23,10 @@ pub(super) struct JudgedFrame<'a> {
 pub(super) struct Truths {
     /// The scene as the arithmetic stores it; in a box, the given scene.
     pub stored: Rc<Loaded<'static>>,
-    pub own: Rc<Truth>,
+    pub own: Rc<ContactList>,
     /// Contacts by exact decisions on the stored particles and images. `None` if they cannot be
     /// found, which only happens in a box.
-    exact: Option<Rc<Truth>>,
-}
-
-pub(super) struct Truth {
-    pub contacts: ContactList,
-    pub digest: Digest,
-}
-
-impl From<oracle::Truth> for Truth {
-    fn from(truth: oracle::Truth) -> Truth {
-        let contacts = ContactList { plain: truth.pairs, ..ContactList::default() };
-        Truth { contacts, digest: truth.digest }
-    }
-}
-
-impl From<boxes::Truth> for Truth {
-    fn from(truth: boxes::Truth) -> Truth {
-        Truth { contacts: truth.pairs.into_iter().collect(), digest: truth.digest }
-    }
+    exact: Option<Rc<ContactList>>,
 }
 
 #[derive(Clone, Default)]
@@ -88,7 +66,7 @@ impl<'a> JudgedFrame<'a> {
         contacts: Option<&ContactList>,
     ) -> anyhow::Result<Differs> {
         let truths = self.known(arithmetic)?;
-        let contacts = contacts.unwrap_or(&truths.own.contacts);
+        let contacts = contacts.unwrap_or(&truths.own);
         let own = compare(contacts, &truths.own, &truths.stored);
         let given = match self.known(arithmetic.exact()) {
             Ok(given) => given,
@@ -98,8 +76,8 @@ impl<'a> JudgedFrame<'a> {
             }
         };
         let causes = truths.exact.map(|exact| Causes {
-            representation: compare(&exact.contacts, &given.own, &given.stored),
-            predicate: compare(&truths.own.contacts, &exact, &truths.stored),
+            representation: compare(&exact, &given.own, &given.stored),
+            predicate: compare(&truths.own, &exact, &truths.stored),
             search: own,
             stored: compare(contacts, &exact, &truths.stored),
         });
@@ -128,7 +106,10 @@ impl<'a> JudgedFrame<'a> {
         let limit = self.memory_limit;
         let (own, exact) = match &*stored {
             Loaded::Open(scene) => {
-                let truth = |test| oracle::truth_as_stored(scene, test, limit).map(Truth::from);
+                let truth = |test| {
+                    let plain = oracle::truth_as_stored(scene, test, limit)?.pairs;
+                    Ok::<_, NoTruth>(ContactList { plain, ..ContactList::default() })
+                };
                 let exact = match arithmetic {
                     Arithmetic::F64 => self.known(Arithmetic::Exact)?.own,
                     _ => self.share(truth(arithmetic.exact().test())?),
@@ -136,19 +117,20 @@ impl<'a> JudgedFrame<'a> {
                 let own = match arithmetic.test() {
                     test if test.is_exact() => exact.clone(),
                     test => match truth(test)? {
-                        same if same.digest == exact.digest => exact.clone(),
+                        same if same.digest() == exact.digest() => exact.clone(),
                         own => self.share(own),
                     },
                 };
                 (own, Some(exact))
             }
             Loaded::InBox(periodic) => {
-                let own = self.share(boxes::truth(periodic, arithmetic, limit)?.into());
+                let own = boxes::truth(periodic, arithmetic, limit)?.pairs.into_iter().collect();
+                let own = self.share(own);
                 let exact = match arithmetic {
                     // Exact arithmetic does not round images, so the contacts are the same.
                     _ if arithmetic.is_exact() => Some(own.clone()),
                     _ => match boxes::truth_as_stored(periodic, arithmetic, limit) {
-                        Ok(exact) => Some(self.share(exact.into())),
+                        Ok(exact) => Some(self.share(exact.pairs.into_iter().collect())),
                         Err(reason) => {
                             nothing(reason.into())?;
                             None
@@ -161,20 +143,20 @@ impl<'a> JudgedFrame<'a> {
         Ok(Truths { stored, own, exact })
     }
 
-    fn share(&self, found: Truth) -> Rc<Truth> {
-        let known = self.known.values().flatten();
+    fn share(&self, found: ContactList) -> Rc<ContactList> {
+        let (digest, known) = (found.digest(), self.known.values().flatten());
         let mut known = known.flat_map(|truths| truths.exact.iter().chain([&truths.own]));
-        let same = known.find(|known| known.digest == found.digest).cloned();
+        let same = known.find(|known| known.digest() == digest).cloned();
         same.unwrap_or_else(|| Rc::new(found))
     }
 }
 
 /// Finds the errors of an answer. Most answers have the right digest, and need no comparison.
-fn compare(reported: &ContactList, truth: &Truth, scene: &Loaded<'_>) -> Errors {
-    if reported.digest() == truth.digest {
+fn compare(reported: &ContactList, truth: &ContactList, scene: &Loaded<'_>) -> Errors {
+    if reported.digest() == truth.digest() {
         return Errors::default();
     }
-    let (plain, shifted) = (&truth.contacts.plain, &truth.contacts.shifted);
+    let ContactList { plain, shifted } = truth;
     let unshifted = |[i, j]: [u32; 2]| depth(scene, ImagePair::new(i, j, [0; 3]));
     let mut errors = compare_by(&reported.plain, plain, |[i, j]| i == j, unshifted);
     errors.add(&compare_by(&reported.shifted, shifted, |_| false, |pair| depth(scene, pair)));

@@ -165,7 +165,7 @@ impl<'a> Judge<'a> {
         let (mut judge, mut survey) =
             (Judge::of(Some(trajectory), memory_limit), Survey::default());
         let found = judge.right(Arithmetic::Exact, |given, truths| {
-            let truth = truths.own.contacts.sorted(given.scene.len(), u64::MAX);
+            let truth = truths.own.sorted(given.scene.len(), u64::MAX);
             let truth = truth.map_err(NoTruth::from)?;
             survey.take(&in_any_box(given)?, &truth);
             Ok(())
@@ -262,7 +262,9 @@ impl<'a> Judge<'a> {
             if moving {
                 let known = frame.known(arithmetic)?;
                 let reported = contacts.as_ref().map(|it| sorted(it, &known, limit)).transpose()?;
-                late(&mut tracked.late, k, &known, reported)?;
+                let truth = sorted(&known.own, &known, u64::MAX)?;
+                let depth = |pair| depth(&known.stored, pair);
+                tracked.late.take(k as u64, depth, reported.as_ref().unwrap_or(&truth), &truth);
             }
             if let Some(contacts) = &contacts {
                 all.add(&frame.compare(arithmetic, Some(contacts))?);
@@ -297,7 +299,7 @@ impl<'a> Judge<'a> {
             interrupt::check()?;
             let frame = self.frame(k)?;
             let (truths, differs) = (frame.known(arithmetic)?, frame.compare(arithmetic, None)?);
-            all.push(Right { digest: truths.own.digest, differs });
+            all.push(Right { digest: truths.own.digest(), differs });
             each(&frame.given, &truths)?;
         }
         Ok(all)
@@ -331,19 +333,6 @@ impl<'a> Judge<'a> {
 /// Returns the contacts in ascending order; the list of them may use `limit` bytes.
 fn sorted(contacts: &ContactList, known: &Truths, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
     Ok(contacts.sorted(known.stored.particles(), limit).map_err(NoTruth::from)?)
-}
-
-/// Records the late contacts of a frame. If `reported` is `None`, the answer was right.
-fn late(
-    late: &mut Late,
-    k: usize,
-    known: &Truths,
-    reported: Option<Vec<ImagePair>>,
-) -> anyhow::Result<()> {
-    let truth = sorted(&known.own.contacts, known, u64::MAX)?;
-    let depth = |pair| depth(&known.stored, pair);
-    late.take(k as u64, depth, reported.as_ref().unwrap_or(&truth), &truth);
-    Ok(())
 }
 
 #[cfg(test)]

@@ -100,7 +100,7 @@ pub struct Hello {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub build: BTreeMap<String, String>,
     /// Whether the runner accepts only trajectories of one frame.
-    #[serde(default, skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub at_rest: bool,
 }
 
@@ -255,10 +255,6 @@ impl Steps {
     pub fn is_empty(&self) -> bool {
         *self == Steps::default()
     }
-}
-
-fn is_false(flag: &bool) -> bool {
-    !flag
 }
 
 fn exact() -> String {

@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::run::machine::interrupt;
 use contactbench_ground::scene::Lattice;
-use contactbench_io::Given;
-use contactbench_io::exchange;
+use contactbench_io::{Given, exchange};
 use contactbench_scenes::motion::Frames;
 
 /// The files of a trajectory. A runner keeps only one frame in memory.
@@ -112,11 +111,6 @@ impl Trajectory {
         let frames = self.frames.get(k).cloned().into_iter().collect();
         let in_box = self.boxes.get(k).or(self.in_box.as_ref()).cloned();
         Trajectory { frames, dim, n, radius, in_box, ..Trajectory::default() }
-    }
-
-    pub fn remove(&self) {
-        // Files that cannot be removed now are removed with the temporary folder.
-        self.frames.iter().for_each(|path| drop(std::fs::remove_file(path)));
     }
 
     /// Returns the dimension of the box, if there is one; contacts then have images.

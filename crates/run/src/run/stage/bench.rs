@@ -21,7 +21,7 @@ use contactbench_scenes::motion::Frames;
 pub(crate) struct Bench<'a> {
     pub judge: Judge<'a>,
     /// The scenes that each process loads, one after the other.
-    loads: Vec<Trajectory>,
+    pub loads: Vec<Trajectory>,
     folder: &'a Path,
     pub is_moving: bool,
 }
@@ -88,11 +88,6 @@ impl<'a> Bench<'a> {
         load(client, last)
     }
 
-    /// Whether each process loads other scenes first.
-    pub fn has_history(&self) -> bool {
-        self.loads.len() > 1
-    }
-
     /// Judges an answer of a runner; pairs are read only if they are needed.
     pub fn judge(
         &mut self,
@@ -109,7 +104,9 @@ impl<'a> Bench<'a> {
     /// Removes the files of a motion, which may be large.
     pub fn remove(&self) {
         if self.is_moving {
-            self.loads.iter().for_each(Trajectory::remove);
+            // Files that cannot be removed now are removed with the temporary folder.
+            let files = self.loads.iter().flat_map(|trajectory| &trajectory.frames);
+            files.for_each(|path| drop(std::fs::remove_file(path)));
         }
     }
 }

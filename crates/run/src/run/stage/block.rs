@@ -104,7 +104,7 @@ impl Stage<'_, '_> {
         let Some(sum) = total(&turns) else { return Ok(None) };
         running.fill(&mut row, &sum, running.processor(block));
         // If the scene has a history, this is not the process's first detection.
-        row.first_ns = row.first_ns.filter(|_| !bench.has_history());
+        row.first_ns = row.first_ns.filter(|_| bench.loads.len() == 1);
         row.process = self.log.origins.process(&running.subject, &client)?;
         if !running.is_alone() {
             row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
@@ -117,7 +117,7 @@ impl Stage<'_, '_> {
                 format!("{others} of {} turns gave another answer than the last", turns.len());
             // The row's errors are removed, because they describe only the last turn.
             (row.errors, row.causes, row.course) = (None, None, None);
-            self.note_wrong(&row);
+            self.note_first("WRONG", &row, &row.reason);
         }
         self.write(&row)?;
         Ok(Some(running))

@@ -47,7 +47,7 @@ impl Stage<'_, '_> {
         bench: &mut Bench<'_>,
     ) -> anyhow::Result<()> {
         let mut row = Row { pass: Pass::Ceiling, block, ..running.blank.clone() };
-        let Some(start) = running.copy.as_ref().filter(|_| !self.index.has(&row)) else {
+        let Some(start) = running.subject.copy.as_ref().filter(|_| !self.index.has(&row)) else {
             return Ok(());
         };
         let answers = processors::apart(running.subject.threads)
@@ -66,10 +66,11 @@ impl Stage<'_, '_> {
         let (alone, answers, mut copies) = match answers {
             Ok(answers) => answers,
             Err(failure) => {
-                running.copy = None;
+                running.subject.copy = None;
                 // After a failure in block 1, copies are not tried again.
                 let row = if block == 1 { Row { block: 0, ..row } } else { row };
-                return self.fail(&row, copies_failed(failure), Pass::Ceiling.rest());
+                let reason = format!("of the copies: {}", failure.reason);
+                return self.fail(&row, Failure { reason, ..failure }, Pass::Ceiling.rest());
             }
         };
         if let Some(copy) = copies.first() {
@@ -103,10 +104,6 @@ fn each_alone(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
     Ok(samples)
 }
 
-fn copies_failed(failure: Failure) -> Failure {
-    Failure { reason: format!("of the copies: {}", failure.reason), ..failure }
-}
-
 /// Takes one sample of all copies, started together. A copy that is done continues detecting until
 /// all are done, so that no sample runs beside an idle processor.
 fn together(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
@@ -126,10 +123,8 @@ fn together(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
     };
     std::thread::scope(|scope| {
         let threads: Vec<_> = copies.iter_mut().map(|copy| scope.spawn(|| work(copy))).collect();
-        let failed = || Failure {
-            outcome: Outcome::Crashed,
-            reason: "a thread of the harness ended unexpectedly".into(),
-        };
+        let reason = "a thread of the harness ended unexpectedly";
+        let failed = || Failure { outcome: Outcome::Crashed, reason: reason.into() };
         threads.into_iter().map(|thread| thread.join().unwrap_or_else(|_| Err(failed()))).collect()
     })
 }

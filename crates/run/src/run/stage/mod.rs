@@ -29,56 +29,21 @@ use contactbench_ground::scene::SceneError;
 use contactbench_io::Given;
 use contactbench_record::cells::cells;
 use contactbench_record::experiment::{Experiment, FEWEST_BLOCKS};
-use contactbench_record::findings::winners::winners;
+use contactbench_record::findings::winners::{Contest, winners};
 use contactbench_record::record::folder::done::{Index, TooSlow};
 use contactbench_record::record::folder::ledger::Span;
 use contactbench_record::record::id::CellId;
 use contactbench_record::record::row::{Outcome, Pass, Row, Writer};
 use contactbench_scenes::generate::hard;
 use contactbench_scenes::spec::Spec;
-use contactbench_scenes::stats;
-use contactbench_scenes::stats::Stats;
+use contactbench_scenes::stats::{self, Stats};
 use contactbench_terms::mix::splitmix64;
-
-/// The fastest detector of a scene, and the runner-up.
-pub struct Winner {
-    pub scene: String,
-    pub fastest: String,
-    /// Median time of the fastest, in nanoseconds per particle.
-    pub per_particle: f64,
-    pub second: Option<String>,
-    /// Time of the runner-up over that of the fastest.
-    pub ratio: Option<f64>,
-    /// Contacts of the scene, each compared with the exact truth.
-    pub contacts: Option<u64>,
-    /// Number of subjects with a right answer in the arithmetic of the fastest.
-    pub right: usize,
-}
-
-impl Winner {
-    /// Returns `None` if nothing was timed.
-    fn new(scene: String, rows: &[Row]) -> Option<Winner> {
-        let cells = cells(rows);
-        let contest = winners(&cells.iter().collect::<Vec<_>>()).contests.into_iter().next()?;
-        let second = contest.others.first();
-        Some(Winner {
-            scene,
-            ratio: second.and_then(|second| Some(second.ratio?.median)),
-            second: second.map(|second| second.name.clone()),
-            fastest: contest.first.name,
-            per_particle: contest.first.per_particle,
-            contacts: rows
-                .iter()
-                .find_map(|row| row.contacts.filter(|_| row.outcome == Outcome::Ok)),
-            right: 1 + contest.others.len(),
-        })
-    }
-}
 
 pub trait Progress {
     fn scene(&mut self, done: usize, total: usize, next: &str);
-    /// Gets the answer for the scene that has just ended.
-    fn found(&mut self, found: &Winner);
+    /// Gets the fastest detector and the others of the scene that has just ended, and its contacts,
+    /// each compared with the exact truth.
+    fn found(&mut self, scene: &str, contest: &Contest, contacts: Option<u64>);
     fn note(&mut self, text: &str);
 }
 
@@ -127,8 +92,12 @@ impl Stage<'_, '_> {
         let running = self.enter_all(subjects, &given, moved, &mut bench)?;
         self.blocks(running, blocks, &mut bench)?;
         bench.remove();
-        if let Some(found) = Winner::new(describe(self.experiment, self.spec), &self.log.latest) {
-            self.log.progress.found(&found);
+        let cells = cells(&self.log.latest);
+        if let Some(contest) = winners(&cells.iter().collect::<Vec<_>>()).contests.first() {
+            let mut right = self.log.latest.iter().filter(|row| row.outcome == Outcome::Ok);
+            let contacts = right.find_map(|row| row.contacts);
+            let scene = describe(self.experiment, self.spec);
+            self.log.progress.found(&scene, contest, contacts);
         }
         Ok(())
     }
@@ -265,11 +234,8 @@ impl Stage<'_, '_> {
         };
         for subject in subjects {
             let blank = subject.blank(self.experiment, self.spec, None, &Stats::default());
-            self.fail(
-                &blank,
-                Failure { outcome: Outcome::Refused, reason: format!("invalid scene: {invalid}") },
-                &[Pass::Count],
-            )?;
+            let reason = format!("invalid scene: {invalid}");
+            self.fail(&blank, Failure { outcome: Outcome::Refused, reason }, &[Pass::Count])?;
         }
         Ok(())
     }

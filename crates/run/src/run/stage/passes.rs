@@ -6,10 +6,9 @@
 //! would repeat the same position, and make equal code look different.
 
 use crate::run::judge::{Said, Tracked};
-use crate::run::machine::interrupt;
-use crate::run::machine::processors;
+use crate::run::machine::{interrupt, processors};
 use crate::run::plan::describe;
-use crate::run::runner::client::{Client, Failure, Start};
+use crate::run::runner::client::{Client, Failure};
 use crate::run::runner::protocol::{Found, Hello, Reply, Request, Sample, Steps};
 use crate::run::stage::Stage;
 use crate::run::stage::bench::Bench;
@@ -27,8 +26,6 @@ pub(crate) struct Running {
     pub arithmetic: Arithmetic,
     pub hello: Hello,
     pub blank: Row,
-    /// The command that starts a copy with one thread; `None` if copies are not measured.
-    pub copy: Option<Start>,
 }
 
 impl Running {
@@ -87,10 +84,7 @@ impl Stage<'_, '_> {
         }
         let (mut client, arithmetic) = match start(&subject) {
             Ok(started) => started,
-            Err(failure) => {
-                self.fail(&blank, failure, &Pass::ALL)?;
-                return Ok(None);
-            }
+            Err(failure) => return self.fail(&blank, failure, &Pass::ALL).map(|()| None),
         };
         // A runner reports its arithmetic only when it is started.
         blank.id.arithmetic = arithmetic.name().into();
@@ -99,8 +93,7 @@ impl Stage<'_, '_> {
             return Ok(None);
         }
         if let Err(failure) = bench.load(&mut client) {
-            self.fail(&blank, failure, &Pass::ALL)?;
-            return Ok(None);
+            return self.fail(&blank, failure, &Pass::ALL).map(|()| None);
         }
         // The scene was counted by the closed rule.
         if arithmetic.exact() != Arithmetic::Exact {
@@ -108,7 +101,7 @@ impl Stage<'_, '_> {
             blank.stats.coordination = coordination(blank.id.n, contacts);
         }
         let hello = client.hello.clone();
-        let mut running = Running { subject, arithmetic, hello, blank, copy: None };
+        let mut running = Running { subject, arithmetic, hello, blank };
         for pass in [Pass::Count, Pass::Memory] {
             let mut row = Row { pass, ..running.blank.clone() };
             if self.index.has(&row) {
@@ -117,8 +110,7 @@ impl Stage<'_, '_> {
             let found = match measure(&mut client, &mut row) {
                 Ok(found) => found,
                 Err(failure) => {
-                    self.fail(&running.blank, failure, pass.rest())?;
-                    return Ok(None);
+                    return self.fail(&running.blank, failure, pass.rest()).map(|()| None);
                 }
             };
             if let Some(found) = found {
@@ -126,7 +118,7 @@ impl Stage<'_, '_> {
             }
             self.write(&row)?;
         }
-        running.copy = self.copy(&running)?;
+        running.subject.copy = self.copy(&running)?;
         Ok(Some(running))
     }
 
@@ -160,16 +152,13 @@ impl Stage<'_, '_> {
             (row.time_ns, row.first_ns, row.pulse_ns) = (None, None, None);
         }
         if row.outcome == Outcome::Wrong {
-            self.note_wrong(row);
+            self.note_first("WRONG", row, &row.reason);
         }
         Ok(())
     }
 
-    /// Prints the first wrong answer of each detector at once; the report counts all of them.
-    pub fn note_wrong(&mut self, row: &Row) {
-        self.note_first("WRONG", row, &row.reason);
-    }
-
+    /// Prints the first wrong answer or crash of each detector at once; the report counts all of
+    /// them.
     pub fn note_first(&mut self, what: &str, row: &Row, reason: &str) {
         let head = format!("{what}: {}", row.id.subject());
         if self.log.noted.insert(head.clone()) {
