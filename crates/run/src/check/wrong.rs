@@ -9,8 +9,8 @@ use contactbench_ground::periodic::ImagePair;
 pub enum Wrong {
     #[error("{0}")]
     Pairs(Differences),
-    #[error("it refuses after it has reported {0} pairs")]
     /// The detector refuses the scene after reporting this many pairs.
+    #[error("it refuses after it has reported {0} pairs")]
     RefusesLate(u64),
     #[error("it panics: {}", .0.lines().next().unwrap_or_default())]
     Panics(String),
@@ -25,12 +25,12 @@ pub enum Wrong {
     },
     #[error("it breaks the protocol: {0}")]
     Breaks(String),
-    #[error("it {0}")]
     /// A function failed. The text describes how, for example `raises an error`.
+    #[error("it {0}")]
     Fails(String),
-    #[error("it finds {}, which are not known", unknown(said.contacts, truth.contacts))]
     /// The digest is wrong, and the pairs are unknown, because the runner does not write them or
     /// there are too many.
+    #[error("it finds {}, which are not known", unknown(said.contacts, truth.contacts))]
     Counts { said: Digest, truth: Digest },
 }
 
