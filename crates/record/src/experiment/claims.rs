@@ -112,9 +112,7 @@ impl ClaimKind {
             _ => None,
         }
     }
-}
 
-impl ClaimKind {
     pub fn sides(&self) -> Vec<&Expression> {
         match self {
             ClaimKind::Faster { .. } => Vec::new(),
