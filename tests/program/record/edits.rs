@@ -1,0 +1,65 @@
+//! A record is refused if fields, rows or files of it contradict each other, although every
+//! checksum is right.
+#![cfg(target_os = "linux")]
+
+use serde_json::Value;
+
+use super::integrity::{forged, line, measured, refused};
+
+const LEDGER: &str = "a/provenance.jsonl";
+
+type Change = fn(&mut Value);
+
+/// Edits with a right checksum: the file, words of the line, the change, and words of the fault.
+const EDITS: &[(&str, &[&str], Change, &str)] = &[
+    (LEDGER, SPAN, |it| it["others_s"] = (-0.1).into(), "its others_s is -0.1"),
+    (LEDGER, SPAN, |it| it["others_s"] = 1e6.into(), "its others_s is 1000000"),
+    (LEDGER, SPAN, |it| it["stolen_s"] = 1e6.into(), "its stolen_s is 1000000"),
+    (LEDGER, SPAN, |it| it["stolen_s"] = (-1).into(), "its stolen_s is -1"),
+    (LEDGER, SPAN, |it| it["own_s"] = 1e6.into(), "its own_s is 1000000"),
+    (LEDGER, SPAN, |it| it["seconds"] = (-5).into(), "its seconds is -5"),
+    (LEDGER, SPAN, |it| it["seconds"] = 1e12.into(), "its seconds is 1000000000000"),
+    (LEDGER, SPAN, |it| it["cores"] = 0.into(), "its cores is 0"),
+    (LEDGER, SPAN, |it| it["cores"] = 10_000_000.into(), "its cores is 10000000"),
+    (LEDGER, PROGRAM, |it| it["version"] = "9".into(), "its id is"),
+];
+const SPAN: &[&str] = &["\"entry\":\"span\"", "N=50"];
+const PROGRAM: &[&str] = &["\"entry\":\"process\""];
+
+/// Edits that a checksum does not show contradict other fields, rows or files.
+#[test]
+fn an_edit_with_a_right_checksum_is_found() {
+    let (at, _) = measured();
+    let mut missed = Vec::new();
+    for &(name, words, change, fault) in EDITS {
+        let text = at.read(name);
+        let edit = match words {
+            [] => super::edited(&text, change),
+            _ => forged(&text, line(&text, words), change),
+        };
+        at.file(name, edit);
+        let said = at.run("report a").stderr;
+        if !said.contains("damaged") || !said.contains(fault) {
+            missed.push((fault, said));
+        }
+        at.file(name, text);
+    }
+    assert!(missed.is_empty(), "{missed:#?}");
+}
+
+/// What stands twice is the same twice.
+#[test]
+fn a_copy_with_another_value_is_found() {
+    let (at, _) = measured();
+    let cases: [(&str, &[&str], Change, &str); 2] = [
+        (LEDGER, SPAN, |it| it["others_s"] = 0.0125.into(), "differs"),
+        (LEDGER, PROGRAM, |it| it["version"] = "9".into(), "its id is"),
+    ];
+    for (name, words, change, fault) in cases {
+        let text = at.read(name);
+        let copied = super::edited(text.lines().nth(line(&text, words) - 1).unwrap(), change);
+        at.file(name, format!("{text}{copied}\n"));
+        refused(&at, &[name, fault]);
+        at.file(name, text);
+    }
+}
