@@ -2,11 +2,12 @@
 //! checksum is right.
 #![cfg(target_os = "linux")]
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::integrity::{forged, line, measured, refused};
 
 const LEDGER: &str = "a/provenance.jsonl";
+const FIELDS: &str = "a/provenance.json";
 
 type Change = fn(&mut Value);
 
@@ -22,6 +23,16 @@ const EDITS: &[(&str, &[&str], Change, &str)] = &[
     (LEDGER, SPAN, |it| it["cores"] = 0.into(), "its cores is 0"),
     (LEDGER, SPAN, |it| it["cores"] = 10_000_000.into(), "its cores is 10000000"),
     (LEDGER, PROGRAM, |it| it["version"] = "9".into(), "its id is"),
+    (FIELDS, &[], |it| it["machine"] = 5.into(), "its machine is 5"),
+    (FIELDS, &[], |it| it["revision"] = 7.into(), "its revision is 7"),
+    (FIELDS, &[], |it| it["command"] = json!([]), "its command is []"),
+    (FIELDS, &[], |it| it["quick"] = "no".into(), "its quick is \"no\""),
+    (FIELDS, &[], |it| it["dirty"] = 0.into(), "its dirty is 0"),
+    (FIELDS, &[], |it| it["cpu"] = 7.into(), "its cpu is 7"),
+    (FIELDS, &[], |it| it["cores"] = "two".into(), "its cores is \"two\""),
+    (FIELDS, &[], |it| it["caches"] = json!({"L2": 1}), "its caches is {"),
+    (FIELDS, &[], |it| it["load_average"] = 1.into(), "its load_average is 1"),
+    (FIELDS, &[], |it| it["command"] = "contactbench run t.toml --quick".into(), "quick is false"),
 ];
 const SPAN: &[&str] = &["\"entry\":\"span\"", "N=50"];
 const PROGRAM: &[&str] = &["\"entry\":\"process\""];
