@@ -4,7 +4,7 @@
 
 use serde_json::{Value, json};
 
-use super::integrity::{forged, line, measured, refused};
+use super::integrity::{RECORD, forged, line, measured, refused};
 
 const LEDGER: &str = "a/provenance.jsonl";
 const FIELDS: &str = "a/provenance.json";
@@ -13,6 +13,11 @@ type Change = fn(&mut Value);
 
 /// Edits with a right checksum: the file, words of the line, the change, and words of the fault.
 const EDITS: &[(&str, &[&str], Change, &str)] = &[
+    (RECORD, TIMED, |row| row["digest"] = Value::Null, "is ok, but it has no digest"),
+    (RECORD, COUNTED, |row| row["counts"] = json!({}), "is ok, but it counts no operation"),
+    (RECORD, TIMED, |row| row["contacts"] = 1.into(), "contacts"),
+    (RECORD, TIMED, |row| row["stats"]["coordination"] = 0.1234567.into(), "coordination"),
+    (RECORD, TIMED, |row| row["machine"] = "m".repeat(300_000).into(), "bytes"),
     (LEDGER, SPAN, |it| it["others_s"] = (-0.1).into(), "its others_s is -0.1"),
     (LEDGER, SPAN, |it| it["others_s"] = 1e6.into(), "its others_s is 1000000"),
     (LEDGER, SPAN, |it| it["stolen_s"] = 1e6.into(), "its stolen_s is 1000000"),
@@ -34,6 +39,8 @@ const EDITS: &[(&str, &[&str], Change, &str)] = &[
     (FIELDS, &[], |it| it["load_average"] = 1.into(), "its load_average is 1"),
     (FIELDS, &[], |it| it["command"] = "contactbench run t.toml --quick".into(), "quick is false"),
 ];
+const TIMED: &[&str] = &["\"pass\":\"time\"", "\"arithmetic\":\"exact\"", "\"n\":50,"];
+const COUNTED: &[&str] = &["\"pass\":\"count\"", "\"arithmetic\":\"exact\"", "\"n\":50,"];
 const SPAN: &[&str] = &["\"entry\":\"span\"", "N=50"];
 const PROGRAM: &[&str] = &["\"entry\":\"process\""];
 

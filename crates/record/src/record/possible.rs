@@ -17,6 +17,8 @@ const BOUNDS: [(&str, u64, u64); 7] = [
     ("pulse_ns", 10_000, LONGEST_NS),
     ("peak_bytes", 0, 1 << 50),
 ];
+/// Longest name of a row, in bytes.
+pub const LONGEST_NAME: usize = 1000;
 const LONGEST_NS: u64 = 1_000_000_000_000_000;
 
 /// A count of operations is at most this number, and [`PER_PAIR`] for each pair of particles and
