@@ -18,6 +18,9 @@ const EDITS: &[(&str, &[&str], Change, &str)] = &[
     (RECORD, TIMED, |row| row["contacts"] = 1.into(), "contacts"),
     (RECORD, TIMED, |row| row["stats"]["coordination"] = 0.1234567.into(), "coordination"),
     (RECORD, TIMED, |row| row["machine"] = "m".repeat(300_000).into(), "bytes"),
+    (RECORD, TIMED, |row| row["role"] = "nothing".into(), "its role is"),
+    (RECORD, TIMED, |row| row["stats"]["packing_fraction"] = 0.1.into(), "its stats is"),
+    (RECORD, TIMED, |row| row["experiment"] = "u".into(), "its scene is"),
     (LEDGER, SPAN, |it| it["others_s"] = (-0.1).into(), "its others_s is -0.1"),
     (LEDGER, SPAN, |it| it["others_s"] = 1e6.into(), "its others_s is 1000000"),
     (LEDGER, SPAN, |it| it["stolen_s"] = 1e6.into(), "its stolen_s is 1000000"),
@@ -69,7 +72,8 @@ fn an_edit_with_a_right_checksum_is_found() {
 #[test]
 fn a_copy_with_another_value_is_found() {
     let (at, _) = measured();
-    let cases: [(&str, &[&str], Change, &str); 2] = [
+    let cases: [(&str, &[&str], Change, &str); 3] = [
+        (RECORD, COUNTED, |row| row["counts"]["bound_test"] = 7.into(), "its counts is"),
         (LEDGER, SPAN, |it| it["others_s"] = 0.0125.into(), "differs"),
         (LEDGER, PROGRAM, |it| it["version"] = "9".into(), "its id is"),
     ];

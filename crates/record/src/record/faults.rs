@@ -3,13 +3,14 @@
 //! record with a fault is refused.
 
 use std::collections::{BTreeSet, HashMap};
+use std::hash::{BuildHasher, RandomState};
 use std::path::Path;
 
+use serde::Serialize;
 use serde_json::Value;
 
 use crate::record::folder::ledger::{Ledger, Span};
 use crate::record::folder::{done, file};
-use crate::record::id::Projection;
 use crate::record::origin::provenance;
 use crate::record::outcome::Outcome;
 use crate::record::row::Row;
@@ -60,24 +61,43 @@ pub fn fault(rows: &[Row], ledger: &Ledger) -> Option<(usize, String)> {
     found.or_else(|| contradiction(rows)).or_else(|| overlap(rows))
 }
 
-/// Returns the first row whose scene hash or digest is not that of earlier rows of its scene.
+/// Returns the first row that contradicts an earlier one: rows that share a scene, detector,
+/// measurement or span share a value.
 fn contradiction(rows: &[Row]) -> Option<(usize, String)> {
-    let mut known: HashMap<(Projection, &str, &str), &str> = HashMap::new();
+    let (mut known, keys) = (HashMap::new(), RandomState::new());
     for (k, row) in rows.iter().enumerate() {
-        let scene = done::scene(&row.id.clone().anywhere());
-        let digest = row.digest.as_deref().filter(|_| row.outcome == Outcome::Ok);
-        let hash = Some(&*row.stats.scene_hash).filter(|hash| !hash.is_empty());
-        for (name, of, value) in [("digest", &*row.id.arithmetic, digest), ("scene_hash", "", hash)]
-        {
+        let (id, hash) = (&row.id, &*row.stats.scene_hash);
+        let scene = done::scene(&id.clone().anywhere());
+        let digest = row.digest.clone().filter(|_| row.outcome == Outcome::Ok);
+        let is_made = !hash.is_empty();
+        let counts = (!row.counts.is_empty()).then(|| told(&row.counts));
+        let there = row.span.as_ref().map(|_| told(&done::scene(id)));
+        for (name, of, key, value) in [
+            ("digest", "scene", keys.hash_one((&scene, &id.arithmetic)), digest),
+            ("scene_hash", "scene", keys.hash_one(&scene), is_made.then(|| hash.into())),
+            (
+                "stats",
+                "scene",
+                keys.hash_one((&scene, &id.arithmetic)),
+                is_made.then(|| told(&row.stats)),
+            ),
+            ("role", "detector", keys.hash_one(&id.detector), Some(told(&row.role))),
+            ("counts", "measurement", keys.hash_one(row.measurement()), counts),
+            ("scene", "span", keys.hash_one((&row.span, &id.machine)), there),
+        ] {
             let Some(value) = value else { continue };
-            let first = *known.entry((scene.clone(), name, of)).or_insert(value);
-            if first != value {
-                let words = "earlier rows of the same scene have";
+            let first = known.entry((name, key)).or_insert_with(|| value.clone());
+            if *first != value {
+                let words = format!("earlier rows of the same {of} have");
                 return Some((k, format!("its {name} is {value}, but {words} {first}")));
             }
         }
     }
     None
+}
+
+fn told(value: &impl Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default()
 }
 
 /// Returns a sample that began before another one of the same span and processor had ended, such as
