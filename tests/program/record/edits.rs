@@ -21,6 +21,7 @@ const EDITS: &[(&str, &[&str], Change, &str)] = &[
     (RECORD, TIMED, |row| row["role"] = "nothing".into(), "its role is"),
     (RECORD, TIMED, |row| row["stats"]["packing_fraction"] = 0.1.into(), "its stats is"),
     (RECORD, TIMED, |row| row["experiment"] = "u".into(), "its scene is"),
+    (RECORD, TIMED, |row| row["process"] = "00000000".into(), "has no process 00000000"),
     (LEDGER, SPAN, |it| it["others_s"] = (-0.1).into(), "its others_s is -0.1"),
     (LEDGER, SPAN, |it| it["others_s"] = 1e6.into(), "its others_s is 1000000"),
     (LEDGER, SPAN, |it| it["stolen_s"] = 1e6.into(), "its stolen_s is 1000000"),
@@ -30,6 +31,7 @@ const EDITS: &[(&str, &[&str], Change, &str)] = &[
     (LEDGER, SPAN, |it| it["seconds"] = 1e12.into(), "its seconds is 1000000000000"),
     (LEDGER, SPAN, |it| it["cores"] = 0.into(), "its cores is 0"),
     (LEDGER, SPAN, |it| it["cores"] = 10_000_000.into(), "its cores is 10000000"),
+    (LEDGER, SPAN, |it| it["scene"] = "t: loose 2D N=50".into(), "of its span is t: loose"),
     (LEDGER, PROGRAM, |it| it["version"] = "9".into(), "its id is"),
     (FIELDS, &[], |it| it["machine"] = 5.into(), "its machine is 5"),
     (FIELDS, &[], |it| it["revision"] = 7.into(), "its revision is 7"),
@@ -84,4 +86,24 @@ fn a_copy_with_another_value_is_found() {
         refused(&at, &[name, fault]);
         at.file(name, text);
     }
+}
+
+/// The samples of a span fit into it together, although each is shorter.
+#[test]
+fn samples_fit_into_their_span() {
+    let (at, text) = measured();
+    let entries = at.read(LEDGER);
+    let span = entries.lines().nth(line(&entries, SPAN) - 1).unwrap();
+    let span: Value = serde_json::from_str(span).unwrap();
+    let ns = (span["seconds"].as_f64().unwrap() * 4e8) as u64;
+    let long = text.lines().map(|line| {
+        super::edited(line, |row| {
+            if row["time_ns"].is_u64() && row["span"] == span["id"] {
+                (row["time_ns"], row["calls"], row["elapsed_ns"]) =
+                    (ns.into(), 1.into(), ns.into());
+            }
+        }) + "\n"
+    });
+    at.file(RECORD, long.collect::<String>());
+    refused(&at, &[RECORD, "are these nanoseconds?"]);
 }

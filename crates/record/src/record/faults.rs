@@ -9,12 +9,12 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::record::folder::ledger::{Ledger, Span};
+use crate::record::folder::ledger::{self, Ledger, Span};
 use crate::record::folder::{done, file};
 use crate::record::origin::provenance;
-use crate::record::outcome::Outcome;
+use crate::record::outcome::{Outcome, Pass};
 use crate::record::row::Row;
-use contactbench_terms::text;
+use contactbench_terms::{must, text};
 
 pub const MOST_THREADS: usize = 1024;
 
@@ -51,14 +51,33 @@ pub fn is_word(name: &str) -> bool {
 
 /// Returns the index of a faulty row, and a sentence about it.
 pub fn fault(rows: &[Row], ledger: &Ledger) -> Option<(usize, String)> {
-    let impossible = |(k, row): (usize, &Row)| {
-        let span = row.span.as_ref().and_then(|id| ledger.spans.get(id));
-        // The length of a span is rounded to milliseconds.
-        let within_ns = span.map(|span| ((span.seconds + 1e-3) * 1e9) as u64);
-        Some((k, row.possible(within_ns).err()?))
-    };
+    // The length of a span is rounded to milliseconds.
+    let length_ns = |span: &Span| ((span.seconds + 1e-3) * 1e9) as u64;
+    let spans = ledger.spans.iter().map(|(id, span)| (&**id, (span, length_ns(span))));
+    let mut left: HashMap<&str, (&Span, u64)> = spans.collect();
+    let impossible = |(k, row)| Some((k, possible(row, ledger, &mut left).err()?));
     let found = rows.iter().enumerate().find_map(impossible);
     found.or_else(|| contradiction(rows)).or_else(|| overlap(rows))
+}
+
+/// Fails if a row is impossible beside its process and span, of which so many nanoseconds are left.
+fn possible(
+    row: &Row,
+    ledger: &Ledger,
+    spans: &mut HashMap<&str, (&Span, u64)>,
+) -> Result<(), String> {
+    let is_known = row.process.as_ref().is_none_or(|id| ledger.processes.contains_key(id));
+    must!(is_known, "{} has no process {}", ledger::FILE, row.process.as_deref().unwrap_or(""));
+    let Some((span, left)) = row.span.as_deref().and_then(|id| spans.get_mut(id)) else {
+        return row.possible(u64::MAX);
+    };
+    let (scene, of) = (format!("{}: {}", row.id.experiment, row.id.scene), &span.scene);
+    must!(of.starts_with(&scene), "its scene is {scene}, and that of its span is {of}");
+    row.possible(*left)?;
+    // Copies run at once.
+    let alone_ns = row.elapsed_ns.filter(|_| row.pass == Pass::Time);
+    *left = left.saturating_sub(alone_ns.unwrap_or(0));
+    Ok(())
 }
 
 /// Returns the first row that contradicts an earlier one: rows that share a scene, detector,

@@ -140,9 +140,8 @@ impl Row {
     }
 
     /// Fails if a number of the row is impossible. The row was measured within this many
-    /// nanoseconds, if they are known.
-    pub fn possible(&self, within_ns: Option<u64>) -> Result<(), String> {
-        let within_ns = within_ns.unwrap_or(u64::MAX);
+    /// nanoseconds.
+    pub fn possible(&self, within_ns: u64) -> Result<(), String> {
         let CellId { experiment, scene, machine, order, arithmetic, detector, .. } = &self.id;
         let names = [experiment, scene, order, arithmetic, detector].into_iter().chain(machine);
         let (length, most) = (names.map(String::len).max().unwrap_or(0), possible::LONGEST_NAME);
