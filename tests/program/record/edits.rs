@@ -22,6 +22,7 @@ const EDITS: &[(&str, &[&str], Change, &str)] = &[
     (RECORD, TIMED, |row| row["stats"]["packing_fraction"] = 0.1.into(), "its stats is"),
     (RECORD, TIMED, |row| row["experiment"] = "u".into(), "its scene is"),
     (RECORD, TIMED, |row| row["process"] = "00000000".into(), "has no process 00000000"),
+    (RECORD, TIMED, |row| row["block"] = 9.into(), "order"),
     (LEDGER, SPAN, |it| it["others_s"] = (-0.1).into(), "its others_s is -0.1"),
     (LEDGER, SPAN, |it| it["others_s"] = 1e6.into(), "its others_s is 1000000"),
     (LEDGER, SPAN, |it| it["stolen_s"] = 1e6.into(), "its stolen_s is 1000000"),

@@ -57,7 +57,7 @@ pub fn fault(rows: &[Row], ledger: &Ledger) -> Option<(usize, String)> {
     let mut left: HashMap<&str, (&Span, u64)> = spans.collect();
     let impossible = |(k, row)| Some((k, possible(row, ledger, &mut left).err()?));
     let found = rows.iter().enumerate().find_map(impossible);
-    found.or_else(|| contradiction(rows)).or_else(|| overlap(rows))
+    found.or_else(|| contradiction(rows)).or_else(|| overlap(rows)).or_else(|| disorder(rows))
 }
 
 /// Fails if a row is impossible beside its process and span, of which so many nanoseconds are left.
@@ -146,6 +146,18 @@ pub fn overlap(rows: &[Row]) -> Option<(usize, String)> {
         first.block
     );
     Some((second, words))
+}
+
+/// Returns a sample that began before one of an earlier block of its span.
+fn disorder(rows: &[Row]) -> Option<(usize, String)> {
+    let began = |(k, row): (usize, &Row)| Some((row.span.clone()?, row.block, row.began_ms?, k));
+    let mut samples: Vec<_> = rows.iter().enumerate().filter_map(began).collect();
+    samples.sort_unstable();
+    let found = samples.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[1].2 < pair[0].2)?;
+    let [(_, earlier, after, _), (_, block, began, k)] = found else { return None };
+    let words =
+        format!("of block {block} began at {began} ms, and one of block {earlier} at {after}");
+    Some((*k, format!("its sample {words} ms: the blocks are out of order")))
 }
 
 /// Returns the spans that have fewer rows than were written during them, with the rows left.
