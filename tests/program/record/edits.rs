@@ -20,6 +20,7 @@ const EDITS: &[(&str, &[&str], Change, &str)] = &[
     (RECORD, TIMED, |row| row["machine"] = "m".repeat(300_000).into(), "bytes"),
     (RECORD, TIMED, |row| row["role"] = "nothing".into(), "its role is"),
     (RECORD, TIMED, |row| row["stats"]["packing_fraction"] = 0.1.into(), "its stats is"),
+    (RECORD, TIMED, |row| row["machine"] = "other".into(), "machine other"),
     (RECORD, TIMED, |row| row["experiment"] = "u".into(), "its scene is"),
     (RECORD, TIMED, |row| row["process"] = "00000000".into(), "has no process 00000000"),
     (RECORD, TIMED, |row| row["block"] = 9.into(), "order"),

@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use crate::record::folder::ledger::{self, Ledger, Span};
 use crate::record::folder::{done, file};
+use crate::record::origin::machines::described;
 use crate::record::origin::provenance;
 use crate::record::outcome::{Outcome, Pass};
 use crate::record::row::Row;
@@ -221,6 +222,12 @@ pub fn origin(rows: &[Row], ledger: &Ledger, provenances: &[&Value]) -> Option<S
         return Some(format!(
             "its date_utc {date} is later than the start of its first sample, {first}"
         ));
+    }
+    let machines: BTreeSet<String> =
+        provenances.iter().flat_map(|it| described(it)).map(|(name, _)| name).collect();
+    let of = || rows.iter().filter_map(|row| row.id.machine.as_ref());
+    if let Some(name) = of().find(|name| !machines.is_empty() && !machines.contains(*name)) {
+        return Some(format!("it does not describe the machine {name}, which has rows"));
     }
     let said: BTreeSet<&str> =
         texts("revision").into_iter().flat_map(|it| it.split(", ")).collect();
