@@ -70,3 +70,15 @@ impl Table {
         widths
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_of_any_length_is_formatted() {
+        let long = "m".repeat(100_000);
+        let table: Table = Table::of("", [&*long]).left("name", |name| name.to_string()).into();
+        assert_eq!(table.plain(usize::MAX).matches('m').count(), 100_001);
+    }
+}
