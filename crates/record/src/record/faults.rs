@@ -50,23 +50,22 @@ pub fn is_word(name: &str) -> bool {
         && !name.starts_with('.')
 }
 
+/// The spans by id, and the nanoseconds that no sample has used.
+type Left<'a> = HashMap<&'a str, (&'a Span, u64)>;
+
 /// Returns the index of a faulty row, and a sentence about it.
 pub fn fault(rows: &[Row], ledger: &Ledger) -> Option<(usize, String)> {
     // The length of a span is rounded to milliseconds.
     let length_ns = |span: &Span| ((span.seconds + 1e-3) * 1e9) as u64;
     let spans = ledger.spans.iter().map(|(id, span)| (&**id, (span, length_ns(span))));
-    let mut left: HashMap<&str, (&Span, u64)> = spans.collect();
+    let mut left: Left<'_> = spans.collect();
     let impossible = |(k, row)| Some((k, possible(row, ledger, &mut left).err()?));
     let found = rows.iter().enumerate().find_map(impossible);
     found.or_else(|| contradiction(rows)).or_else(|| overlap(rows)).or_else(|| disorder(rows))
 }
 
 /// Fails if a row is impossible beside its process and span, of which so many nanoseconds are left.
-fn possible(
-    row: &Row,
-    ledger: &Ledger,
-    spans: &mut HashMap<&str, (&Span, u64)>,
-) -> Result<(), String> {
+fn possible(row: &Row, ledger: &Ledger, spans: &mut Left<'_>) -> Result<(), String> {
     let is_known = row.process.as_ref().is_none_or(|id| ledger.processes.contains_key(id));
     must!(is_known, "{} has no process {}", ledger::FILE, row.process.as_deref().unwrap_or(""));
     let Some((span, left)) = row.span.as_deref().and_then(|id| spans.get_mut(id)) else {
@@ -89,18 +88,14 @@ fn contradiction(rows: &[Row]) -> Option<(usize, String)> {
         let (id, hash) = (&row.id, &*row.stats.scene_hash);
         let scene = done::scene(&id.clone().anywhere());
         let digest = row.digest.clone().filter(|_| row.outcome == Outcome::Ok);
-        let is_made = !hash.is_empty();
+        let in_arithmetic = keys.hash_one((&scene, &id.arithmetic));
+        let made = |value: String| Some(value).filter(|_| !hash.is_empty());
         let counts = (!row.counts.is_empty()).then(|| told(&row.counts));
         let there = row.span.as_ref().map(|_| told(&done::scene(id)));
         for (name, of, key, value) in [
-            ("digest", "scene", keys.hash_one((&scene, &id.arithmetic)), digest),
-            ("scene_hash", "scene", keys.hash_one(&scene), is_made.then(|| hash.into())),
-            (
-                "stats",
-                "scene",
-                keys.hash_one((&scene, &id.arithmetic)),
-                is_made.then(|| told(&row.stats)),
-            ),
+            ("digest", "scene", in_arithmetic, digest),
+            ("scene_hash", "scene", keys.hash_one(&scene), made(hash.into())),
+            ("stats", "scene", in_arithmetic, made(told(&row.stats))),
             ("role", "detector", keys.hash_one(&id.detector), Some(told(&row.role))),
             ("counts", "measurement", keys.hash_one(row.measurement()), counts),
             ("scene", "span", keys.hash_one((&row.span, &id.machine)), there),
@@ -155,10 +150,8 @@ fn disorder(rows: &[Row]) -> Option<(usize, String)> {
     let mut samples: Vec<_> = rows.iter().enumerate().filter_map(began).collect();
     samples.sort_unstable();
     let found = samples.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[1].2 < pair[0].2)?;
-    let [(_, earlier, after, _), (_, block, began, k)] = found else { return None };
-    let words =
-        format!("of block {block} began at {began} ms, and one of block {earlier} at {after}");
-    Some((*k, format!("its sample {words} ms: the blocks are out of order")))
+    let (earlier, k) = (found[0].1, found[1].3);
+    Some((k, format!("its sample began before one of block {earlier}: they are out of order")))
 }
 
 /// Returns the spans that have fewer rows than were written during them, with the rows left.

@@ -124,10 +124,8 @@ pub struct Measurement {
 
 impl Row {
     pub fn true_contacts(&self) -> f64 {
-        match &self.moved {
-            Some(moved) => moved.contacts as f64,
-            None => self.stats.true_contacts(self.id.n),
-        }
+        let moving = self.moved.as_ref().map(|moved| moved.contacts as f64);
+        moving.unwrap_or_else(|| self.stats.true_contacts(self.id.n))
     }
 
     pub fn measurement(&self) -> Measurement {

@@ -198,9 +198,7 @@ fn fill(
     if let (Some(in_a), Some(in_b)) = (a.answers.get(&cell.id), b.answers.get(&cell.id))
         && in_a != in_b
     {
-        let text = |answers: &BTreeSet<String>| {
-            answers.iter().map(String::as_str).collect::<Vec<_>>().join(" and ")
-        };
+        let text = |all: &BTreeSet<String>| Vec::from_iter(all.iter().cloned()).join(" and ");
         cell.changes.push(Change { what: "answer".into(), a: text(in_a), b: text(in_b) });
     }
     cell.timing = timing((a, in_a), (b, in_b), options);

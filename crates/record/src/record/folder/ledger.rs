@@ -123,45 +123,40 @@ pub fn sound(path: &Path) -> Result<(), Damaged> {
     let text = std::fs::read(path).unwrap_or_default();
     let mut spans = BTreeMap::new();
     lines(&text).try_for_each(|(k, entry)| {
-        let sound = entry.and_then(|entry| match entry {
-            Entry::Process(process) => process.sound(),
-            Entry::Span(span) => span.sound(&mut spans),
-        });
+        let sound = entry.and_then(|entry| possible(entry, &mut spans));
         sound.map_err(|what| Damaged::at_line(path, k, &what))
     })
 }
 
-impl Process {
-    /// Fails if the id is not the start of the SHA-256 of the other fields.
-    fn sound(self) -> Result<(), String> {
-        let (id, unnamed) = (self.id.clone(), Process { id: String::new(), ..self });
-        let sum = copies::sha256(&serde_json::to_vec(&unnamed).unwrap_or_default());
-        must!(id.len() == 8 && sum.starts_with(&id), "its id is {id}, and its fields have {sum}");
-        Ok(())
-    }
-}
-
-impl Span {
-    /// Fails if a number is impossible, or if it is not that of an earlier span with this id. A
-    /// resumed run repeats spans with other numbers of rows.
-    fn sound(self, known: &mut BTreeMap<String, Span>) -> Result<(), String> {
-        // The system's clocks have coarse ticks.
-        let most = self.cores as f64 * (1.1 * self.seconds + 0.1);
-        for (name, value, least, most) in [
-            ("seconds", self.seconds, 0.0, 1e9),
-            ("cores", self.cores as f64, 1.0, 1e6),
-            ("own_s", self.own_s, 0.0, most),
-            ("others_s", self.others_s, 0.0, most),
-            ("stolen_s", self.stolen_s, 0.0, most),
-        ] {
-            let is_possible = (least..=most).contains(&value);
-            must!(is_possible, "its {name} is {value}: from {least} to {most} is possible");
+/// Fails if the id of a process is not the start of the SHA-256 of its other fields, if a number of
+/// a span is impossible, or if an earlier span with the same id differs. A resumed run repeats
+/// spans with other numbers of rows.
+fn possible(entry: Entry, known: &mut BTreeMap<String, Span>) -> Result<(), String> {
+    let span = match entry {
+        Entry::Span(span) => Span { rows: None, deleted: None, ..span },
+        Entry::Process(process) => {
+            let (id, unnamed) = (process.id.clone(), Process { id: String::new(), ..process });
+            let sum = copies::sha256(&serde_json::to_vec(&unnamed).unwrap_or_default());
+            let is_sum = id.len() == 8 && sum.starts_with(&id);
+            must!(is_sum, "its id is {id}, and its fields have {sum}");
+            return Ok(());
         }
-        let bare = Span { rows: None, deleted: None, ..self };
-        let before = known.entry(bare.id.clone()).or_insert_with(|| bare.clone());
-        must!(*before == bare, "it differs from an earlier span with the id {}", bare.id);
-        Ok(())
+    };
+    // The system's clocks have coarse ticks.
+    let most = span.cores as f64 * (1.1 * span.seconds + 0.1);
+    for (name, value, least, most) in [
+        ("seconds", span.seconds, 0.0, 1e9),
+        ("cores", span.cores as f64, 1.0, 1e6),
+        ("own_s", span.own_s, 0.0, most),
+        ("others_s", span.others_s, 0.0, most),
+        ("stolen_s", span.stolen_s, 0.0, most),
+    ] {
+        let is_possible = (least..=most).contains(&value);
+        must!(is_possible, "its {name} is {value}: from {least} to {most} is possible");
     }
+    let before = known.entry(span.id.clone()).or_insert_with(|| span.clone());
+    must!(*before == span, "it differs from an earlier span with the id {}", span.id);
+    Ok(())
 }
 
 pub struct Writer {
