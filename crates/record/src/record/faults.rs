@@ -218,8 +218,10 @@ pub fn origin(rows: &[Row], ledger: &Ledger, provenances: &[&Value]) -> Option<S
     }
     let machines: BTreeSet<String> =
         provenances.iter().flat_map(|it| described(it)).map(|(name, _)| name).collect();
-    let of = || rows.iter().filter_map(|row| row.id.machine.as_ref());
-    if let Some(name) = of().find(|name| !machines.is_empty() && !machines.contains(*name)) {
+    let mut of = rows.iter().filter_map(|row| row.id.machine.as_ref());
+    // Merging gives rows without a machine the empty name.
+    let is_known = |name: &str| name.is_empty() || machines.is_empty() || machines.contains(name);
+    if let Some(name) = of.find(|name| !is_known(name)) {
         return Some(format!("it does not describe the machine {name}, which has rows"));
     }
     let said: BTreeSet<&str> =
