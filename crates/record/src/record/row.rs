@@ -171,6 +171,7 @@ impl Row {
         if self.outcome != Outcome::Ok {
             return Ok(());
         }
+        must!(self.role != Role::Nothing, "its outcome is ok, but its role is nothing");
         let wrong = self.causes.as_ref().is_some_and(|causes| causes.search != Errors::default());
         must!(!wrong, "its outcome is ok, but its search is wrong");
         // Runners need not count or measure memory; their rows then have no answer.
