@@ -10,11 +10,11 @@ use crate::common::{Ended, Place, Template};
 
 const EXPERIMENT: &str = include_str!("../experiments/three_detectors.toml");
 
-const RECORD: &str = "a/samples.jsonl";
+pub(super) const RECORD: &str = "a/samples.jsonl";
 const COPY: &str = "a/experiments/t.toml";
 
 /// Returns a folder with a record `a`, also merged into `whole`, and the text of the record.
-fn measured() -> (Place, String) {
+pub(super) fn measured() -> (Place, String) {
     static RUN: OnceLock<Template> = OnceLock::new();
     let template = RUN.get_or_init(|| {
         Template::new(|at| {
@@ -29,21 +29,21 @@ fn measured() -> (Place, String) {
 }
 
 /// Fails unless `report` exits with code 1 and prints these words on standard error only.
-fn refused(at: &Place, words: &[&str]) -> Ended {
+pub(super) fn refused(at: &Place, words: &[&str]) -> Ended {
     let ended = at.ends(1, "report a", words);
     assert_eq!(ended.stdout, "");
     ended
 }
 
 /// Returns the record with line `number` (from 1) changed, and its checksum made again.
-fn forged(text: &str, number: usize, change: impl FnOnce(&mut Value)) -> String {
+pub(super) fn forged(text: &str, number: usize, change: impl FnOnce(&mut Value)) -> String {
     let mut lines: Vec<String> = text.lines().map(String::from).collect();
     lines[number - 1] = super::edited(&lines[number - 1], change);
     lines.join("\n") + "\n"
 }
 
 /// Returns the number of the first line that contains these words.
-fn line(text: &str, words: &[&str]) -> usize {
+pub(super) fn line(text: &str, words: &[&str]) -> usize {
     text.lines().position(|line| words.iter().all(|words| line.contains(words))).unwrap() + 1
 }
 

@@ -3,6 +3,7 @@
 mod builds;
 mod ci;
 mod committed;
+mod edits;
 mod gates;
 mod integrity;
 mod merge;

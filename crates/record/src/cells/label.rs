@@ -25,10 +25,8 @@ pub fn scene(id: impl Into<Projection>) -> String {
     let text = |name: &str| id.axis(name).map(|value| value.to_string());
     let path = text("path");
     let file = path.as_deref().and_then(|path| Path::new(path).file_name());
-    let name = file
-        .map(|name| name.to_string_lossy().into())
-        .or_else(|| text("scene"))
-        .unwrap_or_default();
+    let name = file.map(|name| name.to_string_lossy().into());
+    let name = name.or_else(|| text("scene")).unwrap_or_default();
     match text(MACHINE) {
         Some(machine) => format!("{name} on {machine}"),
         None => name,
@@ -48,10 +46,8 @@ pub fn title(id: impl Into<Projection>, swept: &[String]) -> String {
             title += &format!(", {name} = {value}");
         }
     }
-    title
-        + &text("order")
-            .filter(|order| order != "shuffled")
-            .map_or(String::new(), |order| format!(", {order}"))
+    let order = text("order").filter(|order| order != "shuffled");
+    title + &order.map_or(String::new(), |order| format!(", {order}"))
 }
 
 /// Returns the parameters of scenes that differ within one scene and dimension.
@@ -76,12 +72,8 @@ pub fn varying(cells: &[&Cell]) -> Vec<String> {
     let differs =
         |name: &&str| cells.iter().any(|it| shown(&it.id, name) != shown(&cells[0].id, name));
     names.extend(FIELDS.iter().copied().filter(differs).map(String::from));
-    names.sort_by_key(|name| {
-        ["detector", "arithmetic", "scene", "dim", "n"]
-            .iter()
-            .position(|first| first == name)
-            .unwrap_or(9)
-    });
+    let first = ["detector", "arithmetic", "scene", "dim", "n"];
+    names.sort_by_key(|name| first.iter().position(|it| it == name).unwrap_or(9));
     names
 }
 
@@ -136,12 +128,8 @@ pub fn over(cells: &[&Cell]) -> String {
             }
             _ if values.len() <= 3 => {
                 let list: Vec<String> = values.iter().map(AxisValue::to_string).collect();
-                let list = list.join(", ");
-                parts.push(if number(values.first()).is_some() {
-                    format!("{name} = {list}")
-                } else {
-                    list
-                });
+                let named = number(values.first()).map(|_| format!("{name} = "));
+                parts.push(named.unwrap_or_default() + &list.join(", "));
             }
             _ => parts.push(number::plural(values.len(), name.trim_end_matches('s'))),
         }

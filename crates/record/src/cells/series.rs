@@ -8,6 +8,7 @@ use crate::record::id::Projection;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
+use contactbench_terms::arithmetic::Arithmetic;
 
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Line {
@@ -53,6 +54,11 @@ pub fn labels(cells: &[&Cell]) -> impl Fn(&Line) -> String + Copy {
         }
         label
     }
+}
+
+/// Sorts the arithmetics with which another is compared: preferably the same, otherwise exact.
+pub fn preference(arithmetic: &str, to: &str) -> [bool; 2] {
+    [arithmetic != to, arithmetic != Arithmetic::Exact.name()]
 }
 
 impl Line {

@@ -83,10 +83,8 @@ fn once() -> f64 {
 
 fn times<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     let by = f64::deserialize(from)?;
-    if by > 0.0 && by.is_finite() {
-        return Ok(by);
-    }
-    Err(D::Error::custom(format!("by = {by}: it must be a finite number over 0")))
+    let words = format!("by = {by}: it must be a finite number over 0");
+    if by > 0.0 && by.is_finite() { Ok(by) } else { Err(D::Error::custom(words)) }
 }
 
 impl ClaimKind {
@@ -112,9 +110,7 @@ impl ClaimKind {
             _ => None,
         }
     }
-}
 
-impl ClaimKind {
     pub fn sides(&self) -> Vec<&Expression> {
         match self {
             ClaimKind::Faster { .. } => Vec::new(),
@@ -159,10 +155,8 @@ fn dimension<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u32>, D::Error
 
 fn tolerance<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     let within = f64::deserialize(deserializer)?;
-    if within >= 0.0 && within.is_finite() {
-        return Ok(within);
-    }
-    Err(D::Error::custom(format!("within is {within}; it must be a finite number of at least 0")))
+    let words = format!("within is {within}; it must be a finite number of at least 0");
+    if within >= 0.0 && within.is_finite() { Ok(within) } else { Err(D::Error::custom(words)) }
 }
 
 fn model<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Model, D::Error> {
@@ -174,11 +168,7 @@ fn model<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Model, D::Error> 
 
 fn timeless<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Expression, D::Error> {
     let value = Expression::deserialize(deserializer)?;
-    if value.uses_time() {
-        return Err(D::Error::custom(
-            "a model is fitted to counts or bytes: the memory hierarchy makes linear times look \
-             like N log N",
-        ));
-    }
-    Ok(value)
+    let words = "a model is fitted to counts or bytes: the memory hierarchy makes linear times \
+                 look like N log N";
+    if value.uses_time() { Err(D::Error::custom(words)) } else { Ok(value) }
 }

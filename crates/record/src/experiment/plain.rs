@@ -3,11 +3,8 @@ use contactbench_terms::nearest::hint;
 /// Translates a type error of serde to plain words; other messages stay unchanged.
 pub fn plain(message: &str) -> String {
     let typed = ["invalid type: ", "invalid value: "];
-    if let Some((found, expected)) = typed
-        .iter()
-        .find_map(|head| message.strip_prefix(head))
-        .and_then(|rest| rest.rsplit_once(", expected "))
-    {
+    let typed = typed.iter().find_map(|head| message.strip_prefix(head));
+    if let Some((found, expected)) = typed.and_then(|rest| rest.rsplit_once(", expected ")) {
         return format!("{} stands where {} is expected", value(found), wanted(expected));
     }
     for (head, between, what) in [

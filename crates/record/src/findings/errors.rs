@@ -47,11 +47,8 @@ impl Sum {
     /// Whether each cause has 0 errors; errors of two causes can cancel in the total.
     fn none(&self) -> bool {
         let causes = self.causes.unwrap_or_default();
-        self.errors.wrong()
-            + causes.representation.wrong()
-            + causes.predicate.wrong()
-            + causes.search.wrong()
-            == 0
+        let parts = [causes.representation, causes.predicate, causes.search, self.errors];
+        parts.iter().all(|errors| errors.wrong() == 0)
     }
 
     /// Whether two detectors can share a line. Without errors, the number of cells does not matter.

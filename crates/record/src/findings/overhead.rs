@@ -35,9 +35,7 @@ impl Overhead {
         for group in series::groups(cells) {
             for n in group.sizes() {
                 let Some(&(line, time)) = group.ranked(n, |_| true).first() else { continue };
-                let Some(first) = group.at(line, n).and_then(|cells| cells.first()) else {
-                    continue;
-                };
+                let Some([first, ..]) = group.at(line, n).map(|cells| &**cells) else { continue };
                 let Some(idle) = idle.get(&scene(&first.id)).filter(|_| time > 0.0) else {
                     continue;
                 };

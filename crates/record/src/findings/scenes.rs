@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use crate::cells::Cell;
 use crate::findings::claim::every::{Scene, every};
 use crate::findings::winners::{by_ratio, time};
+use contactbench_terms::number::plural;
 
 pub struct SceneResults<'a> {
     pub title: String,
@@ -38,10 +39,8 @@ fn results(scene: Scene<'_>) -> SceneResults<'_> {
         if arithmetics {
             name += &format!(" {}", cell.id.arithmetic);
         }
-        match cell.id.threads() {
-            1 if threads => name += " (1 thread)",
-            count if threads => name += &format!(" ({count} threads)"),
-            _ => {}
+        if threads {
+            name += &format!(" ({})", plural(cell.id.threads() as usize, "thread"));
         }
         name
     };

@@ -6,7 +6,7 @@
 //! k threads. It can exceed 1, because k threads share their caches on one scene, and k copies
 //! share nothing.
 
-use crate::cells::series::{Line, Seeds};
+use crate::cells::series::{Group, Line};
 use crate::cells::{Cell, series};
 use crate::record::row::Outcome;
 use crate::stats::interval::Interval;
@@ -29,11 +29,7 @@ pub fn gains(cells: &[&Cell]) -> Vec<Gain> {
     for group in series::groups(cells) {
         for n in group.sizes() {
             for line in group.lines.keys().filter(|line| line.threads > 1) {
-                let alone = Line { threads: 1, ..line.clone() };
-                let both = group.at(line, n).zip(group.at(&alone, n));
-                let gain = both
-                    .and_then(|(many, one)| gain(&group.title, n, line, label(&alone), one, many));
-                gains.extend(gain);
+                gains.extend(gain(&group, n, line, label));
             }
         }
     }
@@ -41,22 +37,17 @@ pub fn gains(cells: &[&Cell]) -> Vec<Gain> {
 }
 
 /// Returns the gain by threads; `None` unless all cells ended well.
-fn gain(
-    scene: &str,
-    n: u64,
-    line: &Line,
-    name: String,
-    one: &Seeds<'_>,
-    many: &Seeds<'_>,
-) -> Option<Gain> {
+fn gain(group: &Group<'_>, n: u64, line: &Line, label: impl Fn(&Line) -> String) -> Option<Gain> {
+    let alone = Line { threads: 1, ..line.clone() };
+    let (many, one) = (group.at(line, n)?, group.at(&alone, n)?);
     series::time(many).and(series::time(one))?;
     let k = f64::from(line.threads);
     Some(Gain {
         experiment: many.first()?.id.experiment.clone(),
-        scene: scene.to_string(),
+        scene: group.title.clone(),
         n,
         line: line.clone(),
-        name,
+        name: label(&alone),
         speedup: series::ratio(one, many)?,
         ceiling: series::ratio_of(many, |cell| &cell.alone_ns, many, |cell| &cell.copies_ns)
             .map(|ratio| ratio.scaled(k)),

@@ -66,13 +66,11 @@ pub fn winners(cells: &[&Cell]) -> Winners {
     Winners { scenes: scenes.len(), contests: contests.collect(), disturbed: false }
 }
 
-fn is_able(cell: &Cell) -> bool {
-    // A tracker that misses contacts does not count as fast.
-    !cell.role.is_control() && cell.time().is_some() && !cell.misses_by_rule()
-}
-
 fn able<'a>(cells: &[&'a Cell]) -> Vec<&'a Cell> {
-    cells.iter().filter(|cell| is_able(cell)).copied().collect()
+    let mut able = cells.to_vec();
+    // A tracker that misses contacts does not count as fast.
+    able.retain(|it| !it.role.is_control() && it.time().is_some() && !it.misses_by_rule());
+    able
 }
 
 pub fn time(cell: &Cell) -> f64 {

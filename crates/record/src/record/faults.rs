@@ -3,17 +3,19 @@
 //! record with a fault is refused.
 
 use std::collections::{BTreeSet, HashMap};
+use std::hash::{BuildHasher, RandomState};
 use std::path::Path;
 
+use serde::Serialize;
 use serde_json::Value;
 
-use crate::record::folder::ledger::{Ledger, Span};
+use crate::record::folder::ledger::{self, Ledger, Span};
 use crate::record::folder::{done, file};
-use crate::record::id::Projection;
+use crate::record::origin::machines::described;
 use crate::record::origin::provenance;
-use crate::record::outcome::Outcome;
+use crate::record::outcome::{Outcome, Pass};
 use crate::record::row::Row;
-use contactbench_terms::text;
+use contactbench_terms::{must, text};
 
 pub const MOST_THREADS: usize = 1024;
 
@@ -48,36 +50,69 @@ pub fn is_word(name: &str) -> bool {
         && !name.starts_with('.')
 }
 
+/// The spans by id, and the nanoseconds that no sample has used.
+type Left<'a> = HashMap<&'a str, (&'a Span, u64)>;
+
 /// Returns the index of a faulty row, and a sentence about it.
 pub fn fault(rows: &[Row], ledger: &Ledger) -> Option<(usize, String)> {
-    let impossible = |(k, row): (usize, &Row)| {
-        let span = row.span.as_ref().and_then(|id| ledger.spans.get(id));
-        // The length of a span is rounded to milliseconds.
-        let within_ns = span.map(|span| ((span.seconds + 1e-3) * 1e9) as u64);
-        Some((k, row.possible(within_ns).err()?))
-    };
+    // The length of a span is rounded to milliseconds.
+    let length_ns = |span: &Span| ((span.seconds + 1e-3) * 1e9) as u64;
+    let spans = ledger.spans.iter().map(|(id, span)| (&**id, (span, length_ns(span))));
+    let mut left: Left<'_> = spans.collect();
+    let impossible = |(k, row)| Some((k, possible(row, ledger, &mut left).err()?));
     let found = rows.iter().enumerate().find_map(impossible);
-    found.or_else(|| contradiction(rows)).or_else(|| overlap(rows))
+    found.or_else(|| contradiction(rows)).or_else(|| overlap(rows)).or_else(|| disorder(rows))
 }
 
-/// Returns the first row whose scene hash or digest is not that of earlier rows of its scene.
+/// Fails if a row is impossible beside its process and span, of which so many nanoseconds are left.
+fn possible(row: &Row, ledger: &Ledger, spans: &mut Left<'_>) -> Result<(), String> {
+    let is_known = row.process.as_ref().is_none_or(|id| ledger.processes.contains_key(id));
+    must!(is_known, "{} has no process {}", ledger::FILE, row.process.as_deref().unwrap_or(""));
+    let Some((span, left)) = row.span.as_deref().and_then(|id| spans.get_mut(id)) else {
+        return row.possible(u64::MAX);
+    };
+    let (scene, of) = (format!("{}: {}", row.id.experiment, row.id.scene), &span.scene);
+    must!(of.starts_with(&scene), "its scene is {scene}, and that of its span is {of}");
+    row.possible(*left)?;
+    // Copies run at once.
+    let alone_ns = row.elapsed_ns.filter(|_| row.pass == Pass::Time);
+    *left = left.saturating_sub(alone_ns.unwrap_or(0));
+    Ok(())
+}
+
+/// Returns the first row that contradicts an earlier one: rows that share a scene, detector,
+/// measurement or span share a value.
 fn contradiction(rows: &[Row]) -> Option<(usize, String)> {
-    let mut known: HashMap<(Projection, &str, &str), &str> = HashMap::new();
+    let (mut known, keys) = (HashMap::new(), RandomState::new());
     for (k, row) in rows.iter().enumerate() {
-        let scene = done::scene(&row.id.clone().anywhere());
-        let digest = row.digest.as_deref().filter(|_| row.outcome == Outcome::Ok);
-        let hash = Some(&*row.stats.scene_hash).filter(|hash| !hash.is_empty());
-        for (name, of, value) in [("digest", &*row.id.arithmetic, digest), ("scene_hash", "", hash)]
-        {
+        let (id, hash) = (&row.id, &*row.stats.scene_hash);
+        let scene = done::scene(&id.clone().anywhere());
+        let digest = row.digest.clone().filter(|_| row.outcome == Outcome::Ok);
+        let in_arithmetic = keys.hash_one((&scene, &id.arithmetic));
+        let made = |value: String| Some(value).filter(|_| !hash.is_empty());
+        let counts = (!row.counts.is_empty()).then(|| told(&row.counts));
+        let there = row.span.as_ref().map(|_| told(&done::scene(id)));
+        for (name, of, key, value) in [
+            ("digest", "scene", in_arithmetic, digest),
+            ("scene_hash", "scene", keys.hash_one(&scene), made(hash.into())),
+            ("stats", "scene", in_arithmetic, made(told(&row.stats))),
+            ("role", "detector", keys.hash_one(&id.detector), Some(told(&row.role))),
+            ("counts", "measurement", keys.hash_one(row.measurement()), counts),
+            ("scene", "span", keys.hash_one((&row.span, &id.machine)), there),
+        ] {
             let Some(value) = value else { continue };
-            let first = *known.entry((scene.clone(), name, of)).or_insert(value);
-            if first != value {
-                let words = "earlier rows of the same scene have";
+            let first = known.entry((name, key)).or_insert_with(|| value.clone());
+            if *first != value {
+                let words = format!("earlier rows of the same {of} have");
                 return Some((k, format!("its {name} is {value}, but {words} {first}")));
             }
         }
     }
     None
+}
+
+fn told(value: &impl Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_default()
 }
 
 /// Returns a sample that began before another one of the same span and processor had ended, such as
@@ -107,6 +142,16 @@ pub fn overlap(rows: &[Row]) -> Option<(usize, String)> {
         first.block
     );
     Some((second, words))
+}
+
+/// Returns a sample that began before one of an earlier block of its span.
+fn disorder(rows: &[Row]) -> Option<(usize, String)> {
+    let began = |(k, row): (usize, &Row)| Some((row.span.clone()?, row.block, row.began_ms?, k));
+    let mut samples: Vec<_> = rows.iter().enumerate().filter_map(began).collect();
+    samples.sort_unstable();
+    let found = samples.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[1].2 < pair[0].2)?;
+    let (earlier, k) = (found[0].1, found[1].3);
+    Some((k, format!("its sample began before one of block {earlier}: they are out of order")))
 }
 
 /// Returns the spans that have fewer rows than were written during them, with the rows left.
@@ -170,6 +215,14 @@ pub fn origin(rows: &[Row], ledger: &Ledger, provenances: &[&Value]) -> Option<S
         return Some(format!(
             "its date_utc {date} is later than the start of its first sample, {first}"
         ));
+    }
+    let machines: BTreeSet<String> =
+        provenances.iter().flat_map(|it| described(it)).map(|(name, _)| name).collect();
+    let mut of = rows.iter().filter_map(|row| row.id.machine.as_ref());
+    // Merging gives rows without a machine the empty name.
+    let is_known = |name: &str| name.is_empty() || machines.is_empty() || machines.contains(name);
+    if let Some(name) = of.find(|name| !is_known(name)) {
+        return Some(format!("it does not describe the machine {name}, which has rows"));
     }
     let said: BTreeSet<&str> =
         texts("revision").into_iter().flat_map(|it| it.split(", ")).collect();

@@ -198,7 +198,7 @@ fn prefixed(name: &str) -> String {
 }
 
 /// Some axes with their values, shared by a group of cells. The detector includes its parameters.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub struct Projection(Vec<(String, AxisValue)>);
 
 impl Projection {

@@ -17,6 +17,8 @@ const BOUNDS: [(&str, u64, u64); 7] = [
     ("pulse_ns", 10_000, LONGEST_NS),
     ("peak_bytes", 0, 1 << 50),
 ];
+/// Longest name of a row, in bytes.
+pub const LONGEST_NAME: usize = 1000;
 const LONGEST_NS: u64 = 1_000_000_000_000_000;
 
 /// A count of operations is at most this number, and [`PER_PAIR`] for each pair of particles and
@@ -50,14 +52,10 @@ pub struct Sampled {
 impl Sampled {
     pub fn check(&self) -> Result<(), String> {
         let &Sampled { time_ns, calls, elapsed_ns, first_ns, building_ns, within_ns } = self;
-        for (name, value) in [
-            ("calls", Some(calls)),
-            ("time_ns", Some(time_ns)),
-            ("elapsed_ns", Some(elapsed_ns)),
-            ("first_ns", first_ns),
-        ] {
-            bounded(name, value)?;
+        for (name, value) in [("calls", calls), ("time_ns", time_ns), ("elapsed_ns", elapsed_ns)] {
+            bounded(name, Some(value))?;
         }
+        bounded("first_ns", first_ns)?;
         let mean = u128::from(time_ns).saturating_mul(calls.into()).abs_diff(elapsed_ns.into());
         must!(
             mean <= calls.into(),
@@ -98,12 +96,10 @@ pub fn counts(
     );
     let pairs = n.saturating_mul(n).saturating_mul(frames);
     let most = pairs.saturating_mul(PER_PAIR).saturating_add(OPERATIONS);
-    match counts.iter().find(|(_, count)| **count > most) {
-        Some((name, count)) => {
-            Err(format!("it reports {name} {count}: at most {most} are possible for {n} particles"))
-        }
-        None => Ok(()),
-    }
+    counts.iter().try_for_each(|(name, &count)| {
+        let words = format!("at most {most} are possible for {n} particles");
+        if count > most { Err(format!("it reports {name} {count}: {words}")) } else { Ok(()) }
+    })
 }
 
 pub fn memory(peak_bytes: u64, live_bytes: u64) -> Result<(), String> {

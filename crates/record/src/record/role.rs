@@ -22,17 +22,11 @@ impl Role {
     }
 
     pub fn twin_of(&self) -> Option<&str> {
-        match self {
-            Role::Twin(original) => Some(original),
-            _ => None,
-        }
+        if let Role::Twin(original) = self { Some(original) } else { None }
     }
 
     pub fn base_of(&self) -> Option<&str> {
-        match self {
-            Role::Base(original) => Some(original),
-            _ => None,
-        }
+        if let Role::Base(original) = self { Some(original) } else { None }
     }
 
     /// Whether the code is this project's, so that its documented memory and refusals apply.

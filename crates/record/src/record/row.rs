@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 pub use crate::record::folder::file::{FILE, Record, SCHEMA, Writer, exists, read, unpacked};
 use crate::record::id::CellId;
@@ -18,28 +19,6 @@ use contactbench_terms::scene::Stats;
 
 /// A field that is a column: name, pass (`None` if every pass records it), unit, value.
 pub(super) type Field<T> = (&'static str, Option<Pass>, &'static str, fn(&T) -> Option<f64>);
-
-trait Number {
-    fn number(self) -> Option<f64>;
-}
-
-impl Number for u64 {
-    fn number(self) -> Option<f64> {
-        Some(self as f64)
-    }
-}
-
-impl Number for f64 {
-    fn number(self) -> Option<f64> {
-        Some(self)
-    }
-}
-
-impl<T: Number> Number for Option<T> {
-    fn number(self) -> Option<f64> {
-        self?.number()
-    }
-}
 
 /// Defines a struct that is a part of a row. A field declared with `= pass, unit` is also a column.
 /// Fields after `@known` are written only if they have a value.
@@ -63,8 +42,8 @@ macro_rules! table {
 
         impl $name {
             pub(super) const COLUMNS: &[Field<$name>] = &[
-                $($((stringify!($field), $pass, $unit, |it| it.$field.number()),)?)*
-                $($($((stringify!($some), $by, $in, |it| it.$some.number()),)?)*)?
+                $($((stringify!($field), $pass, $unit, |it| json!(it.$field).as_f64()),)?)*
+                $($($((stringify!($some), $by, $in, |it| json!(it.$some).as_f64()),)?)*)?
             ];
 
             #[cfg(test)]
@@ -145,10 +124,8 @@ pub struct Measurement {
 
 impl Row {
     pub fn true_contacts(&self) -> f64 {
-        match &self.moved {
-            Some(moved) => moved.contacts as f64,
-            None => self.stats.true_contacts(self.id.n),
-        }
+        let moving = self.moved.as_ref().map(|moved| moved.contacts as f64);
+        moving.unwrap_or_else(|| self.stats.true_contacts(self.id.n))
     }
 
     pub fn measurement(&self) -> Measurement {
@@ -161,9 +138,12 @@ impl Row {
     }
 
     /// Fails if a number of the row is impossible. The row was measured within this many
-    /// nanoseconds, if they are known.
-    pub fn possible(&self, within_ns: Option<u64>) -> Result<(), String> {
-        let within_ns = within_ns.unwrap_or(u64::MAX);
+    /// nanoseconds.
+    pub fn possible(&self, within_ns: u64) -> Result<(), String> {
+        let CellId { experiment, scene, machine, order, arithmetic, detector, .. } = &self.id;
+        let names = [experiment, scene, order, arithmetic, detector].into_iter().chain(machine);
+        let (length, most) = (names.map(String::len).max().unwrap_or(0), possible::LONGEST_NAME);
+        must!(length <= most, "a name has {length} bytes: at most {most} are possible");
         possible::bounded("block", Some(self.block.into()))?;
         possible::bounded("pulse_ns", self.pulse_ns)?;
         let frames = self.moved.as_ref().map_or(1, |moved| moved.frames);
@@ -188,8 +168,25 @@ impl Row {
             "it has time_ns, but not calls and elapsed_ns"
         );
         must!(!timed || !self.outcome.is_final(), "it has time_ns, but its outcome is {outcome}");
+        if self.outcome != Outcome::Ok {
+            return Ok(());
+        }
+        must!(self.role != Role::Nothing, "its outcome is ok, but its role is nothing");
         let wrong = self.causes.as_ref().is_some_and(|causes| causes.search != Errors::default());
-        must!(self.outcome != Outcome::Ok || !wrong, "its outcome is ok, but its search is wrong");
+        must!(!wrong, "its outcome is ok, but its search is wrong");
+        // Runners need not count or measure memory; their rows then have no answer.
+        let is_empty = !timed && self.peak_bytes.is_none() && self.counts.is_empty();
+        must!(is_empty || self.digest.is_some(), "its outcome is ok, but it has no digest");
+        let is_idle = self.pass == Pass::Count && self.counts.is_empty();
+        must!(
+            !is_idle || self.role != Role::Detector || self.contacts == Some(0),
+            "its outcome is ok, but it counts no operation"
+        );
+        let (contacts, exact) = (self.contacts.map(|it| it as f64), self.true_contacts());
+        must!(
+            self.id.arithmetic != "exact" || contacts.is_none_or(|contacts| contacts == exact),
+            "its outcome is ok, but its contacts are not the {exact} of its coordination and n"
+        );
         Ok(())
     }
 

@@ -46,10 +46,13 @@ impl Table {
     /// all. Words are split only as a last resort.
     fn widths(&self, rows: &[Vec<Vec<String>>], limit: usize) -> Vec<usize> {
         let lines = |column: usize| rows.iter().filter_map(move |row| row.get(column)).flatten();
-        let longest = |column| lines(column).map(|line| line.chars().count()).max().unwrap_or(0);
+        // Formatting accepts widths of 16 bits.
+        let most = usize::from(u16::MAX);
+        let longest = |column| lines(column).map(|line| line.chars().count().min(most)).max();
         let words = |column| lines(column).flat_map(|line| line.split_whitespace());
         let word = |column| words(column).map(|word| word.chars().count()).max().unwrap_or(0);
-        let mut widths: Vec<usize> = (0..self.columns.len()).map(longest).collect();
+        let mut widths: Vec<usize> =
+            (0..self.columns.len()).map(|k| longest(k).unwrap_or(0)).collect();
         let whole: Vec<usize> = (0..self.columns.len()).map(word).collect();
         let room = limit.saturating_sub(GAP * self.columns.len().saturating_sub(1));
         while widths.iter().sum::<usize>() > room.max(self.columns.len()) {
@@ -65,5 +68,17 @@ impl Table {
             }
         }
         widths
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_of_any_length_is_formatted() {
+        let long = "m".repeat(100_000);
+        let table: Table = Table::of("", [&*long]).left("name", |name| name.to_string()).into();
+        assert_eq!(table.plain(usize::MAX).matches('m').count(), 100_001);
     }
 }

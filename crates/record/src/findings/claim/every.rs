@@ -30,11 +30,6 @@ struct Place {
 }
 
 impl Place {
-    fn new(id: &CellId) -> Place {
-        let CellId { params, order, n, seed, .. } = id;
-        Place { params: params.clone(), order: order.clone(), n: *n, seed: *seed }
-    }
-
     fn is_same_setting(&self, other: &Place) -> bool {
         (&self.params, &self.order) == (&other.params, &other.order)
     }
@@ -53,7 +48,8 @@ pub fn every<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
     let mut families: BTreeMap<_, BTreeMap<Place, Vec<&'a Cell>>> = BTreeMap::new();
     for &cell in cells {
         let scenes = families.entry(family(&cell.id)).or_default();
-        scenes.entry(Place::new(&cell.id)).or_default().push(cell);
+        let CellId { params, order, n, seed, .. } = cell.id.clone();
+        scenes.entry(Place { params, order, n, seed }).or_default().push(cell);
     }
     let sweeps: Vec<Vec<&Place>> =
         families.values().map(|scenes| scenes.keys().collect()).collect();

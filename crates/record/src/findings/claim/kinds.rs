@@ -1,6 +1,6 @@
 //! Checks each kind of claim, and writes its evidence in one line.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use crate::cells::label::{over, place, varying};
 use crate::cells::{Cell, CellId};
@@ -17,9 +17,7 @@ const SERIES: usize = 3;
 
 impl Evidence {
     pub(super) fn new(status: Status, found: String) -> Evidence {
-        let (used, left_out) = (BTreeSet::new(), BTreeMap::new());
-        let (nothing, open, cells, uncovered, time) = (false, false, 0, None, None);
-        Evidence { status, found, nothing, open, used, cells, left_out, uncovered, time }
+        Evidence { status, found, ..Evidence::default() }
     }
 
     pub(super) fn nothing(words: &str) -> Evidence {

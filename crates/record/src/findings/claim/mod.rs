@@ -22,7 +22,7 @@ use crate::record::row::Outcome;
 use contactbench_terms::number::plural;
 
 contactbench_terms::named! {
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub enum Status {
         /// The claim is true in every planned cell.
         Holds = "holds",
@@ -31,6 +31,7 @@ contactbench_terms::named! {
         /// The claim is true in all measured cells, but some planned cells are missing.
         NotCovered = "not covered",
         /// There are no data, or too few to decide.
+        #[default]
         NotShown = "not shown",
     }
 }
@@ -42,7 +43,7 @@ pub struct Verdict {
     pub evidence: Evidence,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Evidence {
     pub status: Status,
     pub found: String,

@@ -63,10 +63,8 @@ fn said(errors: &Errors) -> String {
         (errors.duplicate, "", " twice"),
         (errors.self_pairs, "", " self"),
     ];
-    let some = all
-        .iter()
-        .filter(|(count, ..)| *count > 0)
-        .map(|(count, before, behind)| format!("{before}{count}{behind}"));
+    let some = all.iter().filter(|(count, ..)| *count > 0);
+    let some = some.map(|(count, before, behind)| format!("{before}{count}{behind}"));
     some.collect::<Vec<_>>().join(" ")
 }
 

@@ -14,13 +14,13 @@ pub use timing::{Judgement, PLACEMENT, Timing};
 pub use twins::{SEEN, pooled};
 
 use crate::cells::label::{place, varying};
+use crate::cells::series::preference;
 use crate::cells::{Cell, cells, ids};
 use crate::findings::trust::noise::{Noise, nine_in_ten};
 use crate::record::column::Column;
 use crate::record::id::{CellId, Projection};
 use crate::record::origin::machines::Machine;
 use crate::record::row::{Outcome, Pass, Row};
-use contactbench_terms::arithmetic::Arithmetic;
 
 #[derive(Clone, Debug, Default)]
 pub struct Options {
@@ -139,13 +139,8 @@ impl Record {
         let known = self.scenes.get(&id.scene_id()).into_iter().flatten();
         let known = known.filter_map(|id| self.cells.get(id));
         let known = known.filter(|cell| cell.id.subject() == name && cell.time().is_some());
-        known.min_by_key(|cell| {
-            (
-                cell.id.arithmetic != id.arithmetic,
-                cell.id.arithmetic != Arithmetic::Exact.name(),
-                cell.id.threads(),
-            )
-        })
+        known
+            .min_by_key(|cell| (preference(&cell.id.arithmetic, &id.arithmetic), cell.id.threads()))
     }
 }
 
@@ -194,22 +189,16 @@ fn fill(
         cell.absent = Some(format!("unavailable in {side}: {reason}"));
         return;
     }
-    let mut note = |what: &str, a: &str, b: &str| {
-        if a != b {
-            cell.changes.push(Change { what: what.into(), a: a.into(), b: b.into() });
-        }
-    };
-    note("scene", &in_a.stats.scene_hash, &in_b.stats.scene_hash);
-    if !cell.changes.is_empty() {
+    let [a_hash, b_hash] = [in_a, in_b].map(|it| it.stats.scene_hash.clone());
+    if a_hash != b_hash {
+        cell.changes.push(Change { what: "scene".into(), a: a_hash, b: b_hash });
         return;
     }
     cell.changes = changes(in_a, in_b, options.machines.is_some());
     if let (Some(in_a), Some(in_b)) = (a.answers.get(&cell.id), b.answers.get(&cell.id))
         && in_a != in_b
     {
-        let text = |answers: &BTreeSet<String>| {
-            answers.iter().map(String::as_str).collect::<Vec<_>>().join(" and ")
-        };
+        let text = |all: &BTreeSet<String>| Vec::from_iter(all.iter().cloned()).join(" and ");
         cell.changes.push(Change { what: "answer".into(), a: text(in_a), b: text(in_b) });
     }
     cell.timing = timing((a, in_a), (b, in_b), options);

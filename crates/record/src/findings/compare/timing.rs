@@ -97,12 +97,8 @@ pub(super) fn timing(
 
 /// Divides times of the same block, because these saw the same state of the machine.
 fn quotients(times: &Blocks, to: &Blocks) -> Vec<f64> {
-    times
-        .iter()
-        .filter_map(|(block, &time)| {
-            Some(time as f64 / to.get(block).filter(|&&to| to > 0).copied()? as f64)
-        })
-        .collect()
+    let to = |block| to.get(block).filter(|&&to| to > 0);
+    times.iter().filter_map(|(block, &time)| Some(time as f64 / *to(block)? as f64)).collect()
 }
 
 /// Returns the slowdown that about 97 of 100 runs would detect. A median at the low end of this

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::cells::series::{Group, Line};
+use crate::cells::series::{Group, Line, preference};
 use crate::cells::{Cell, series};
 use crate::findings::claim::every;
 use crate::findings::trust::noise::Noise;
@@ -165,13 +165,7 @@ impl Library {
 /// fewest threads.
 fn base<'a>(group: &'a Group<'_>, line: &Line, reference: &str) -> Option<&'a Line> {
     let known = group.lines.keys().filter(|known| known.detector == reference);
-    known.min_by_key(|known| {
-        (
-            known.arithmetic != line.arithmetic,
-            known.arithmetic != Arithmetic::Exact.name(),
-            known.threads,
-        )
-    })
+    known.min_by_key(|it| (preference(&it.arithmetic, &line.arithmetic), it.threads))
 }
 
 fn entry(group: &Group<'_>, line: &Line, n: u64, reference: &str) -> Option<Entry> {

@@ -12,8 +12,8 @@ pub struct Index {
     measured: HashSet<Measurement>,
     /// Cells that ended badly, with the first bad row. A resumed run measures nothing more there.
     ended: HashMap<Tried, Row>,
-    scenes: HashMap<Projection, String>,
-    blocks: HashMap<Projection, u32>,
+    /// The hash and the last block of each scene.
+    scenes: HashMap<Projection, (String, u32)>,
 }
 
 /// A subject on a scene, and whether it was timed as copies. Failed copies do not affect other
@@ -36,25 +36,28 @@ impl Index {
         for row in rows.iter().filter(|row| row.outcome.is_final()) {
             ended.entry(tried(row)).or_insert_with(|| row.clone());
         }
-        let made = rows.iter().filter(|row| !row.stats.scene_hash.is_empty());
-        let scenes = made
-            .map(|row| (scene(&row.id.clone().anywhere()), row.stats.scene_hash.clone()))
-            .collect();
-        let mut blocks = HashMap::new();
+        let mut scenes: HashMap<Projection, (String, u32)> = HashMap::new();
         for row in rows {
-            let last: &mut u32 = blocks.entry(scene(&row.id.clone().anywhere())).or_default();
+            let (hash, last) = scenes.entry(scene(&row.id.clone().anywhere())).or_default();
             *last = row.block.max(*last);
+            if !row.stats.scene_hash.is_empty() {
+                hash.clone_from(&row.stats.scene_hash);
+            }
         }
-        Index { scenes, blocks, measured: rows.iter().map(Row::anywhere).collect(), ended }
+        Index { scenes, measured: rows.iter().map(Row::anywhere).collect(), ended }
     }
 
     pub fn scene_hash(&self, row: &Row) -> Option<&str> {
-        self.scenes.get(&scene(&row.id.clone().anywhere())).map(String::as_str)
+        self.of(row).map(|(hash, _)| &**hash).filter(|hash| !hash.is_empty())
     }
 
     /// The last block of the row's scene.
     pub fn blocks(&self, row: &Row) -> u32 {
-        self.blocks.get(&scene(&row.id.clone().anywhere())).copied().unwrap_or(0)
+        self.of(row).map_or(0, |(_, last)| *last)
+    }
+
+    fn of(&self, row: &Row) -> Option<&(String, u32)> {
+        self.scenes.get(&scene(&row.id.clone().anywhere()))
     }
 
     pub fn has(&self, row: &Row) -> bool {

@@ -6,13 +6,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use crate::record::faults::Damaged;
-use crate::record::folder::seal;
+use crate::record::folder::{copies, file, seal};
+use contactbench_terms::must;
 
 pub const FILE: &str = "provenance.jsonl";
 
@@ -120,10 +121,42 @@ fn lines(text: &[u8]) -> impl Iterator<Item = (usize, Result<Entry, String>)> {
 
 pub fn sound(path: &Path) -> Result<(), Damaged> {
     let text = std::fs::read(path).unwrap_or_default();
-    let sound = |(k, entry): (usize, Result<Entry, String>)| {
-        entry.map(drop).map_err(|what| Damaged::at_line(path, k, &what))
+    let mut spans = BTreeMap::new();
+    lines(&text).try_for_each(|(k, entry)| {
+        let sound = entry.and_then(|entry| possible(entry, &mut spans));
+        sound.map_err(|what| Damaged::at_line(path, k, &what))
+    })
+}
+
+/// Fails if the id of a process is not the start of the SHA-256 of its other fields, if a number of
+/// a span is impossible, or if an earlier span with the same id differs. A resumed run repeats
+/// spans with other numbers of rows.
+fn possible(entry: Entry, known: &mut BTreeMap<String, Span>) -> Result<(), String> {
+    let span = match entry {
+        Entry::Span(span) => Span { rows: None, deleted: None, ..span },
+        Entry::Process(process) => {
+            let (id, unnamed) = (process.id.clone(), Process { id: String::new(), ..process });
+            let sum = copies::sha256(&serde_json::to_vec(&unnamed).unwrap_or_default());
+            let is_sum = id.len() == 8 && sum.starts_with(&id);
+            must!(is_sum, "its id is {id}, and its fields have {sum}");
+            return Ok(());
+        }
     };
-    lines(&text).try_for_each(sound)
+    // The system's clocks have coarse ticks.
+    let most = span.cores as f64 * (1.1 * span.seconds + 0.1);
+    for (name, value, least, most) in [
+        ("seconds", span.seconds, 0.0, 1e9),
+        ("cores", span.cores as f64, 1.0, 1e6),
+        ("own_s", span.own_s, 0.0, most),
+        ("others_s", span.others_s, 0.0, most),
+        ("stolen_s", span.stolen_s, 0.0, most),
+    ] {
+        let is_possible = (least..=most).contains(&value);
+        must!(is_possible, "its {name} is {value}: from {least} to {most} is possible");
+    }
+    let before = known.entry(span.id.clone()).or_insert_with(|| span.clone());
+    must!(*before == span, "it differs from an earlier span with the id {}", span.id);
+    Ok(())
 }
 
 pub struct Writer {
@@ -136,11 +169,8 @@ impl Writer {
     pub fn append(folder: &Path) -> io::Result<Writer> {
         let known = Ledger::read(folder).processes.into_keys().collect();
         let path = folder.join(FILE);
-        let mut file = OpenOptions::new().create(true).read(true).append(true).open(path)?;
-        let mut text = Vec::new();
-        file.read_to_end(&mut text)?;
-        let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
-        file.set_len(whole as u64)?;
+        let file = OpenOptions::new().create(true).read(true).append(true).open(path)?;
+        file.set_len(file::whole_lines(&file)?.0)?;
         Ok(Writer { file, known })
     }
 
@@ -164,8 +194,10 @@ mod tests {
         assert_eq!(Ledger::read(folder.path()), Ledger::default());
         let file = Executed { name: "nbs".into(), sha256: Some("00".into()) };
         let build = [("level".to_string(), "avx2".to_string())].into();
-        let process = Process { id: "a".into(), files: vec![file], build, ..Process::default() };
-        let span = Span { id: "b".into(), seconds: 0.1, load_before: Some(1.5), ..Span::default() };
+        let id = "2b575a36".into();
+        let process = Process { id, files: vec![file], build, ..Process::default() };
+        let span = Span { id: "b".into(), seconds: 0.1, cores: 2, ..Span::default() };
+        let span = Span { load_before: Some(1.5), ..span };
         for _ in 0..2 {
             let mut writer = Writer::append(folder.path()).unwrap();
             writer.write(&Entry::Process(process.clone())).unwrap();

@@ -47,7 +47,7 @@ pub fn regular(path: &Path) -> Result<(), Damaged> {
     if other { Err(Damaged::new(path, "it is not a file")) } else { Ok(()) }
 }
 
-fn entries(folder: &Path) -> Vec<PathBuf> {
+pub(super) fn entries(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten();
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     paths.sort();
@@ -67,7 +67,7 @@ fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn is_provenance(path: &Path) -> bool {
+pub(super) fn is_provenance(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name == provenance::FILE || name.starts_with("provenance-") && name.ends_with(".json")
 }
@@ -75,6 +75,7 @@ fn is_provenance(path: &Path) -> bool {
 fn whole(path: &Path) -> Result<(), String> {
     let bytes = std::fs::read(path).map_err(|error| format!("it cannot be read: {error}"))?;
     let fields = serde_json::from_slice::<serde_json::Map<String, Value>>(&bytes);
-    fields.map_err(|error| format!("it is not an object of fields: {error}"))?;
+    let fields = fields.map_err(|error| format!("it is not an object of fields: {error}"))?;
+    provenance::sound(&fields)?;
     seal::verify(&bytes)
 }

@@ -62,11 +62,8 @@ impl Labels {
             return label.clone();
         }
         let taken = |label: &str| self.0.iter().any(|(_, known)| known == label);
-        let numbered = (2..).map(|k| format!("{name}-{k}"));
-        let label = std::iter::once(name.to_string())
-            .chain(numbered)
-            .find(|label| !taken(label))
-            .unwrap_or_default();
+        let numbered = |k| if k == 1 { name.to_string() } else { format!("{name}-{k}") };
+        let label = (1..).map(numbered).find(|label| !taken(label)).unwrap_or_default();
         self.0.push((machine, label.clone()));
         label
     }

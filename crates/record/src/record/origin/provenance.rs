@@ -3,24 +3,21 @@
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use crate::record::folder::seal;
+use crate::record::folder::{copies, entries, is_provenance, seal};
 use crate::record::origin::built::build;
 use crate::record::origin::hardware::Hardware;
 use crate::record::row::SCHEMA;
+use contactbench_terms::must;
 
 pub const FILE: &str = "provenance.json";
 
 pub fn gather(experiments: &[String], quick: bool, shard: Option<String>, label: &str) -> Value {
-    let clock = read("/proc/cpuinfo").lines().find_map(|line| {
-        line.strip_prefix("cpu MHz")?.trim_start_matches([' ', '\t', ':']).parse::<f64>().ok()
-    });
-    let highest = read("/sys/devices/system/cpu/cpu0/cpufreq/cpuinfo_max_freq")
-        .trim()
-        .parse::<f64>()
-        .ok()
-        .map(|khz| khz / 1000.0);
+    let number = |text: &str| text.trim_matches([' ', '\t', ':', '\n']).parse::<f64>().ok();
+    let clock =
+        read("/proc/cpuinfo").lines().find_map(|line| number(line.strip_prefix("cpu MHz")?));
+    let highest = number(&read("/sys/devices/system/cpu/cpu0/cpufreq/cpuinfo_max_freq"));
     let build = build();
     let mut all = json!({
         "command": command(std::env::args().skip(1)),
@@ -39,7 +36,7 @@ pub fn gather(experiments: &[String], quick: bool, shard: Option<String>, label:
         "os": format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
         "kernel": read("/proc/sys/kernel/osrelease").trim(),
         "cpu_mhz": clock,
-        "cpu_mhz_highest": highest,
+        "cpu_mhz_highest": highest.map(|khz| khz / 1000.0),
         "load_average": read("/proc/loadavg").split(' ').take(3).collect::<Vec<_>>().join(" "),
     });
     let hardware = json!(Hardware::here());
@@ -95,23 +92,48 @@ pub fn text(fields: &Value) -> serde_json::Result<String> {
     Ok(seal::sealed(&serde_json::to_string_pretty(&fields)?) + "\n")
 }
 
+/// Fails if a field has another type than programs write, or if `quick` contradicts the command.
+pub(crate) fn sound(fields: &Map<String, Value>) -> Result<(), String> {
+    let texts = |it: &Value| it.as_array().is_some_and(|all| all.iter().all(Value::is_string));
+    let named = |it: &Value| it.as_object().is_some_and(|all| all.values().all(Value::is_string));
+    for (name, value) in fields.iter().filter(|(_, value)| !value.is_null()) {
+        let is_valid = match &**name {
+            "quick" | "dirty" => value.is_boolean(),
+            "cpu_mhz" | "cpu_mhz_highest" => value.is_number(),
+            "record_schema" | "cpu_family" | "cpu_model" | "cpu_stepping" | "cores"
+            | "memory_bytes" => value.is_u64(),
+            "experiments" | "cpu_features" | "features" | "merged_from" => texts(value),
+            "caches" | copies::FIELD => named(value),
+            "machines" => {
+                let machines = value.as_object().into_iter().flat_map(Map::values);
+                machines.filter_map(Value::as_object).try_for_each(sound)?;
+                value.is_object()
+            }
+            _ => value.is_string(),
+        };
+        must!(is_valid, "its {name} is {value}, which has another type");
+    }
+    let mut command = fields.get("command").and_then(Value::as_str).unwrap_or("").split(' ');
+    let is_whole = fields.get("quick") == Some(&false.into());
+    must!(!is_whole || !command.any(|word| word == "--quick"), "quick is false beside --quick");
+    Ok(())
+}
+
 pub fn of_folder(folder: &Path) -> Option<Value> {
-    serde_json::from_slice(&std::fs::read(folder.join(FILE)).ok()?).ok()
+    fields(&folder.join(FILE))
+}
+
+fn fields(path: &Path) -> Option<Value> {
+    serde_json::from_slice(&std::fs::read(path).ok()?).ok()
 }
 
 /// Reads the files `provenance-*.json` of a folder.
 pub fn of_others(folder: &Path) -> Vec<Value> {
-    let names = std::fs::read_dir(folder).into_iter().flatten();
-    let mut names: Vec<String> = names
-        .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()))
-        .filter(|name| name.starts_with("provenance-") && name.ends_with(".json"))
-        .collect();
+    let mut paths = entries(folder);
+    paths.retain(|path| is_provenance(path) && !path.ends_with(FILE));
     // Sorting by length first puts part 10 after part 9.
-    names.sort_by_key(|name| (name.len(), name.clone()));
-    names
-        .iter()
-        .filter_map(|name| serde_json::from_slice(&std::fs::read(folder.join(name)).ok()?).ok())
-        .collect()
+    paths.sort_by_key(|path| path.as_os_str().len());
+    paths.iter().filter_map(|path| fields(path)).collect()
 }
 
 pub fn all(folder: &Path) -> Vec<Value> {

@@ -138,6 +138,12 @@ pub struct Tail {
     pub law: f64,
 }
 
+/// The exponent of logarithmic points, and that of a law at the same N.
+fn exponents(points: &[(f64, f64)], law: Model) -> Option<(f64, f64)> {
+    let of_law: Vec<_> = points.iter().map(|(x, _)| (*x, law.at(x.exp()).ln())).collect();
+    Some((StraightLine::fit(points)?.slope, StraightLine::fit(&of_law)?.slope))
+}
+
 impl Tail {
     /// Returns `None` if the last octaves have fewer than three different N, span less than
     /// [`LEAST_SPAN`], or start below [`LEAST_TAIL`].
@@ -152,9 +158,7 @@ impl Tail {
         if there.len() < 3 || short || first < LEAST_TAIL.ln() * (1.0 - 1e-9) {
             return None;
         }
-        let of_law: Vec<(f64, f64)> =
-            there.iter().map(|(x, _)| (*x, law.at(x.exp()).ln())).collect();
-        let (found, law) = (StraightLine::fit(there)?.slope, StraightLine::fit(&of_law)?.slope);
+        let (found, law) = exponents(there, law)?;
         Some(Tail { sizes: [first.exp().round(), last.exp().round()], found, law })
     }
 
@@ -223,8 +227,7 @@ fn trend(points: &[(f64, f64)], best: Model) -> Option<(&'static str, f64, f64)>
     for (part, limit, place) in
         [(points, TREND, ""), (half, UPPER_TREND, " over the upper half of the N")]
     {
-        let law: Vec<(f64, f64)> = part.iter().map(|(x, _)| (*x, best.at(x.exp()).ln())).collect();
-        let (found, expected) = (StraightLine::fit(part)?.slope, StraightLine::fit(&law)?.slope);
+        let (found, expected) = exponents(part, best)?;
         if (found - expected).abs() > limit {
             return Some((place, found, expected));
         }

@@ -77,21 +77,16 @@ impl Writer {
     }
 }
 
-fn whole_lines(file: &File) -> io::Result<(u64, u64)> {
-    let (mut end, mut rows, mut position, mut line) = (0, 0, 0, Vec::new());
+/// The length of all whole lines, and the number of those that are not blank.
+pub(super) fn whole_lines(file: &File) -> io::Result<(u64, u64)> {
+    let (mut end, mut rows, mut line) = (0, 0, Vec::new());
     let mut reader = BufReader::new(file);
-    loop {
+    while reader.read_until(b'\n', &mut line)? > 0 && line.ends_with(b"\n") {
+        end += line.len() as u64;
+        rows += u64::from(!line.trim_ascii().is_empty());
         line.clear();
-        let read = reader.read_until(b'\n', &mut line)?;
-        if read == 0 {
-            return Ok((end, rows));
-        }
-        position += read as u64;
-        if line.ends_with(b"\n") {
-            end = position;
-            rows += u64::from(!line.trim_ascii().is_empty());
-        }
     }
+    Ok((end, rows))
 }
 
 #[derive(Default)]

@@ -49,7 +49,8 @@ fn folder() -> tempfile::TempDir {
 fn a_row_is_read_as_it_was_written() {
     let folder = folder();
     let path = folder.path().join(FILE);
-    let plain = Row { id: full().id.with_subject("nbs"), ..Row::default() };
+    let id = full().id.with_subject("nbs");
+    let plain = Row { id, outcome: Outcome::Lossy, ..Row::default() };
     let mut writer = Writer::append(&path).unwrap();
     writer.write(&full()).unwrap();
     writer.write(&plain).unwrap();
