@@ -8,8 +8,8 @@ use crate::particles::{Loaded, Particles, loaded, unused_sizes};
 use crate::raw::lines::{Lines, Separator, listed, number, short, shown, whole};
 use contactbench_terms::number::plural;
 
-/// Columns that are doubted, and the columns beside them that are the reason: colours and the bands
-/// of telescopes.
+/// Doubtful columns, and the columns that make them so: colours, bands of telescopes, errors of a
+/// redshift.
 const DOUBTS: [(&str, &str); 3] = [("r", "g+b"), ("r", "g+i"), ("z", "zerr z_err g+i")];
 
 pub struct Rows {

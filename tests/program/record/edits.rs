@@ -2,9 +2,11 @@
 //! checksum is right.
 #![cfg(target_os = "linux")]
 
+use contactbench::record::row::Outcome;
 use serde_json::{Value, json};
 
 use super::integrity::{RECORD, forged, line, measured, refused};
+use crate::common::Place;
 
 const LEDGER: &str = "a/provenance.jsonl";
 const FIELDS: &str = "a/provenance.json";
@@ -14,15 +16,15 @@ type Change = fn(&mut Value);
 /// Edits with a right checksum: the file, words of the line, the change, and words of the fault.
 const EDITS: &[(&str, &[&str], Change, &str)] = &[
     (RECORD, TIMED, |row| row["digest"] = Value::Null, "is ok, but it has no digest"),
-    (RECORD, COUNTED, |row| row["counts"] = json!({}), "is ok, but it counts no operation"),
+    (RECORD, COUNTED, |row| row["counts"] = json!({}), "is ok, but it has no counts"),
     (RECORD, TIMED, |row| row["contacts"] = 1.into(), "contacts"),
     (RECORD, TIMED, |row| row["stats"]["coordination"] = 0.1234567.into(), "coordination"),
     (RECORD, TIMED, |row| row["machine"] = "m".repeat(300_000).into(), "bytes"),
-    (RECORD, TIMED, |row| row["role"] = "nothing".into(), "is ok, but its role is nothing"),
+    (RECORD, TIMED, |row| row["role"] = "nothing".into(), "is ok, but its role is 'nothing'"),
     (RECORD, TIMED, |row| row["role"] = "peer".into(), "its role is"),
     (RECORD, TIMED, |row| row["stats"]["packing_fraction"] = 0.1.into(), "its stats is"),
     (RECORD, TIMED, |row| row["machine"] = "other".into(), "machine other"),
-    (RECORD, TIMED, |row| row["experiment"] = "u".into(), "its scene is"),
+    (RECORD, TIMED, |row| row["experiment"] = "u".into(), "its experiment and scene are"),
     (RECORD, TIMED, |row| row["process"] = "00000000".into(), "has no process 00000000"),
     (RECORD, TIMED, |row| row["block"] = 9.into(), "order"),
     (LEDGER, SPAN, |it| it["others_s"] = (-0.1).into(), "its others_s is -0.1"),
@@ -34,7 +36,7 @@ const EDITS: &[(&str, &[&str], Change, &str)] = &[
     (LEDGER, SPAN, |it| it["seconds"] = 1e12.into(), "its seconds is 1000000000000"),
     (LEDGER, SPAN, |it| it["cores"] = 0.into(), "its cores is 0"),
     (LEDGER, SPAN, |it| it["cores"] = 10_000_000.into(), "its cores is 10000000"),
-    (LEDGER, SPAN, |it| it["scene"] = "t: loose 2D N=50".into(), "of its span is t: loose"),
+    (LEDGER, SPAN, |it| it["scene"] = "t: loose 2D N=50".into(), "those of its span are t: loose"),
     (LEDGER, PROGRAM, |it| it["version"] = "9".into(), "its id is"),
     (FIELDS, &[], |it| it["machine"] = 5.into(), "its machine is 5"),
     (FIELDS, &[], |it| it["revision"] = 7.into(), "its revision is 7"),
@@ -109,4 +111,28 @@ fn samples_fit_into_their_span() {
     });
     at.file(RECORD, long.collect::<String>());
     refused(&at, &[RECORD, "are these nanoseconds?"]);
+}
+
+/// Not every row of a scene is the same: a search that exceeds its time, a tracker of a twin.
+#[test]
+fn lawful_records_are_read() {
+    let at = Place::new();
+    let experiment = |name: &str, rest: &str| {
+        let texts = "title = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = 1\n";
+        at.file(&format!("{name}.toml"), format!("name = \"{name}\"\n{texts}{rest}\n"));
+    };
+    experiment(
+        "late",
+        "detectors = [\"nbs\", \"direct\"]\narithmetics = [\"exact-open\"]\ntime-limit-s = 0.1\n\
+         [[scene]]\nname = \"pack-a\"\nn = [14400, 19600]",
+    );
+    experiment(
+        "moving",
+        "detectors = [\"verlet(streamed-nbs)\", \"verlet(streamed-nbs-twin)\"]\n\
+         [[scene]]\nname = \"packed\"\nn = 40\nmotion = \"drift\"\nframes = 3",
+    );
+    at.good("run late.toml moving.toml --out a");
+    let late = at.rows("a").into_iter().filter(|row| row.outcome != Outcome::Ok);
+    assert!(late.count() > 0);
+    at.good("report a");
 }

@@ -27,7 +27,7 @@ fn shards_merge_to_the_record_of_the_whole() {
     // A missing shard is an error only with --strict.
     at.good("compare a part-1");
     at.ends(1, "compare a part-1 --strict", &[]);
-    // Shards may have run at once on one machine.
+    // Shards of one machine may overlap in time.
     let begun = |part: &str| at.rows(part).iter().filter_map(|row| row.began_ms).min().unwrap();
     let between = begun("part-2") - begun("part-1");
     for (part, later) in [("part-1", between), ("part-2", 0)] {

@@ -55,7 +55,8 @@ impl Arrays {
             }
             Some(count) if label == "edge_index" && header.rows == 2 => {
                 let of = columns(&mut source, &mut header, 2, |k| k / count)?;
-                let place = || format!("{}: a particle is not a whole number", source.name);
+                let place =
+                    || format!("{}: edge_index has a number that is not whole", source.name);
                 self.columns.extend(of.with_context(place)?);
                 self.names.extend(["i", "j"].map(String::from));
             }

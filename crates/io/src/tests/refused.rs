@@ -26,7 +26,7 @@ fn several_scenes_in_one_table_are_found_under_any_name() {
             let table =
                 format!("{name},{number},x,y,r\na,7,0,0,1\na,8,3,1,1\nb,7,1,0,1\nb,8,4,1,1\n");
             let message = read(table.as_bytes(), "csv", NONE).unwrap_err();
-            assert!(message.contains(&format!("'{name}' changes")), "{message}");
+            assert!(message.contains(&format!("when '{name}' changes")), "{message}");
         }
     }
 }

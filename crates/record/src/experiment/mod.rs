@@ -176,6 +176,7 @@ impl Experiment {
         must!(is_word(name), "name = '{name}': use letters, digits, '-', '_' and '.' only");
         let names = || self.detectors.iter().chain(self.runners.iter().map(|runner| &runner.name));
         for (k, name) in names().enumerate() {
+            must!(name.len() <= 1000, "a name has {} bytes; at most 1000 are allowed", name.len());
             must!(names().take(k).all(|other| other != name), "runner: {}", twice(name));
         }
         if let Some(to) = &self.ratios_to {

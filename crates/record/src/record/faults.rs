@@ -61,7 +61,12 @@ pub fn fault(rows: &[Row], ledger: &Ledger) -> Option<(usize, String)> {
     let mut left: Left<'_> = spans.collect();
     let impossible = |(k, row)| Some((k, possible(row, ledger, &mut left).err()?));
     let found = rows.iter().enumerate().find_map(impossible);
-    found.or_else(|| contradiction(rows)).or_else(|| overlap(rows)).or_else(|| disorder(rows))
+    found.or_else(|| between(rows))
+}
+
+/// Returns the first row that contradicts another one.
+pub fn between(rows: &[Row]) -> Option<(usize, String)> {
+    contradiction(rows).or_else(|| overlap(rows)).or_else(|| disorder(rows))
 }
 
 /// Fails if a row is impossible beside its process and span, of which so many nanoseconds are left.
@@ -72,7 +77,9 @@ fn possible(row: &Row, ledger: &Ledger, spans: &mut Left<'_>) -> Result<(), Stri
         return row.possible(u64::MAX);
     };
     let (scene, of) = (format!("{}: {}", row.id.experiment, row.id.scene), &span.scene);
-    must!(of.starts_with(&scene), "its scene is {scene}, and that of its span is {of}");
+    let rest = of.strip_prefix(&scene);
+    let same = rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_alphanumeric()));
+    must!(same, "its experiment and scene are {scene}, and those of its span are {of}");
     row.possible(*left)?;
     // Copies run at once.
     let alone_ns = row.elapsed_ns.filter(|_| row.pass == Pass::Time);
@@ -80,14 +87,15 @@ fn possible(row: &Row, ledger: &Ledger, spans: &mut Left<'_>) -> Result<(), Stri
     Ok(())
 }
 
-/// Returns the first row that contradicts an earlier one: rows that share a scene, detector,
+/// Returns the first row that contradicts an earlier one: rows that share a scene, subject,
 /// measurement or span share a value.
 fn contradiction(rows: &[Row]) -> Option<(usize, String)> {
     let (mut known, keys) = (HashMap::new(), RandomState::new());
     for (k, row) in rows.iter().enumerate() {
         let (id, hash) = (&row.id, &*row.stats.scene_hash);
         let scene = done::scene(&id.clone().anywhere());
-        let digest = row.digest.clone().filter(|_| row.outcome == Outcome::Ok);
+        let is_ok = row.outcome == Outcome::Ok;
+        let digest = row.digest.clone().filter(|_| is_ok);
         let in_arithmetic = keys.hash_one((&scene, &id.arithmetic));
         let made = |value: String| Some(value).filter(|_| !hash.is_empty());
         let counts = (!row.counts.is_empty()).then(|| told(&row.counts));
@@ -95,8 +103,13 @@ fn contradiction(rows: &[Row]) -> Option<(usize, String)> {
         for (name, of, key, value) in [
             ("digest", "scene", in_arithmetic, digest),
             ("scene_hash", "scene", keys.hash_one(&scene), made(hash.into())),
-            ("stats", "scene", in_arithmetic, made(told(&row.stats))),
-            ("role", "detector", keys.hash_one(&id.detector), Some(told(&row.role))),
+            ("stats", "scene", in_arithmetic, made(told(&row.stats)).filter(|_| is_ok)),
+            (
+                "role",
+                "subject",
+                keys.hash_one((&id.experiment, id.subject())),
+                Some(told(&row.role)),
+            ),
             ("counts", "measurement", keys.hash_one(row.measurement()), counts),
             ("scene", "span", keys.hash_one((&row.span, &id.machine)), there),
         ] {
@@ -117,7 +130,7 @@ fn told(value: &impl Serialize) -> String {
 
 /// Returns a sample that began before another one of the same span and processor had ended, such as
 /// a copy of a sample under another block number.
-pub fn overlap(rows: &[Row]) -> Option<(usize, String)> {
+fn overlap(rows: &[Row]) -> Option<(usize, String)> {
     let mut samples = Vec::new();
     for (k, row) in rows.iter().enumerate() {
         let began = row.processor.zip(row.began_ms).zip(row.elapsed_ns);
@@ -219,10 +232,10 @@ pub fn origin(rows: &[Row], ledger: &Ledger, provenances: &[&Value]) -> Option<S
     let machines: BTreeSet<String> =
         provenances.iter().flat_map(|it| described(it)).map(|(name, _)| name).collect();
     let mut of = rows.iter().filter_map(|row| row.id.machine.as_ref());
-    // Merging gives rows without a machine the empty name.
+    // A merge sets a missing machine to the empty name.
     let is_known = |name: &str| name.is_empty() || machines.is_empty() || machines.contains(name);
     if let Some(name) = of.find(|name| !is_known(name)) {
-        return Some(format!("it does not describe the machine {name}, which has rows"));
+        return Some(format!("it does not describe the machine {name}, which rows name"));
     }
     let said: BTreeSet<&str> =
         texts("revision").into_iter().flat_map(|it| it.split(", ")).collect();

@@ -148,7 +148,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
             known.entry(row.anywhere()).or_default().push(row.clone());
         }
     }
-    if let Some((k, what)) = faults::overlap(&rows) {
+    if let Some((k, what)) = faults::between(&rows) {
         bail!("a row of {} cannot be merged: {what}", rows[k].id.subject());
     }
     let provenance = labels.provenance(parts);

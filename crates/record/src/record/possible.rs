@@ -18,7 +18,7 @@ const BOUNDS: [(&str, u64, u64); 7] = [
     ("peak_bytes", 0, 1 << 50),
 ];
 /// Longest name of a row, in bytes.
-pub const LONGEST_NAME: usize = 1000;
+pub const LONGEST_NAME: usize = 10_000;
 const LONGEST_NS: u64 = 1_000_000_000_000_000;
 
 /// A count of operations is at most this number, and [`PER_PAIR`] for each pair of particles and

@@ -171,7 +171,7 @@ impl Row {
         if self.outcome != Outcome::Ok {
             return Ok(());
         }
-        must!(self.role != Role::Nothing, "its outcome is ok, but its role is nothing");
+        must!(self.role != Role::Nothing, "its outcome is ok, but its role is 'nothing'");
         let wrong = self.causes.as_ref().is_some_and(|causes| causes.search != Errors::default());
         must!(!wrong, "its outcome is ok, but its search is wrong");
         // Runners need not count or measure memory; their rows then have no answer.
@@ -180,7 +180,7 @@ impl Row {
         let is_idle = self.pass == Pass::Count && self.counts.is_empty();
         must!(
             !is_idle || self.role != Role::Detector || self.contacts == Some(0),
-            "its outcome is ok, but it counts no operation"
+            "its outcome is ok, but it has no counts"
         );
         let (contacts, exact) = (self.contacts.map(|it| it as f64), self.true_contacts());
         must!(

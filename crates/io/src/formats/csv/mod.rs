@@ -143,7 +143,7 @@ impl Header {
         let edges: Vec<String> = self.columns.names.iter().filter(is_edge).cloned().collect();
         if edges.len() > 1 && self.declared.is_none() && !options.boundaries.replace_box() {
             particles.notices.push(assumed!(
-                "{} may be a box and are not read; if they are, give --box LX,LY,LZ, and --open if not",
+                "{} are not read; give --box LX,LY,LZ if they are a box, otherwise --open",
                 listed(&edges)
             ));
         }

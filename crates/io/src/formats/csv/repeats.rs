@@ -1,8 +1,9 @@
-//! Finds several scenes in one table, whatever its columns are called: the numbers of particles
-//! begin again where another column changes, and the particles stand in the same place as before.
+//! Finds several scenes in one table, whatever its columns are called. The numbers of particles
+//! restart when another column changes, and the scenes overlap.
 //!
-//! Only numbers that rise within a scene are found, if a later scene begins with the first of them.
-//! Rows of a lattice and molecules number their particles in this way, too, but stand apart.
+//! Numbers must rise within a scene, and a later scene must begin with the first number. Particles
+//! of molecules and of lattice rows are numbered in this way, too, but rows and molecules do not
+//! overlap.
 
 use anyhow::bail;
 
@@ -10,27 +11,28 @@ use super::split;
 use crate::columns::{Column, Columns};
 use crate::raw::lines::{number, short};
 
-/// Further columns are not compared.
+/// Maximum number of compared columns.
 const MOST_COLUMNS: usize = 12;
 
 pub(super) struct Repeats {
     columns: Vec<Seen>,
     axes: Vec<usize>,
     pairs: Vec<Pair>,
-    /// Columns of ids.
     ids: Vec<usize>,
 }
 
-/// A column that is no coordinate and no size.
+/// A column of neither coordinates nor sizes.
 #[derive(Clone)]
 struct Seen {
     column: usize,
     first: Vec<u8>,
     last: Vec<u8>,
     value: Option<f64>,
-    /// Whether the last row differs from the row before, has a higher number, equals the first row.
+    /// Whether the cell differs from the one before.
     changes: bool,
+    /// Whether its number is higher than the one before.
     rises: bool,
+    /// Whether it equals the first cell.
     again: bool,
 }
 
@@ -51,7 +53,7 @@ struct Pair {
 type Range = [[f64; 2]; 3];
 
 impl Repeats {
-    /// `None` if no two columns could show it.
+    /// `None` if fewer than two columns can be compared.
     pub fn new(columns: &Columns) -> Option<Repeats> {
         let which = |is_it: fn(&Column) -> bool| {
             let all = columns.meaning.iter().enumerate();
@@ -120,14 +122,14 @@ impl Repeats {
         let [divides, numbers] = [by, of].map(|k| short(&columns.names[k]));
         if *tracks {
             bail!(
-                "'{numbers}' begins again with each '{divides}': sort the rows by '{numbers}' and \
+                "'{numbers}' restarts with each '{divides}': sort the rows by '{numbers}' and \
                  give frame={} in --columns, or frame=none for one scene",
                 of + 1
             );
         }
         bail!(
-            "the numbers in '{numbers}' begin again where '{divides}' changes: give frame={} in \
-             --columns if it divides scenes, or frame=none for one scene",
+            "'{numbers}' restarts when '{divides}' changes: give frame={} in --columns if '{divides}' \
+             divides scenes, otherwise frame=none",
             by + 1
         );
     }
@@ -152,7 +154,7 @@ impl Seen {
 }
 
 impl Pair {
-    /// Whether this scene stands where the one before stood.
+    /// Whether this scene overlaps the one before. Places of one particle need not overlap.
     fn overlaps(&self) -> bool {
         let apart = |([a, b], [c, d]): (&[f64; 2], &[f64; 2])| b < c || d < a;
         self.tracks || self.before.is_none_or(|before| !self.range.iter().zip(&before).any(apart))

@@ -36,7 +36,7 @@ struct Scenes {
     /// Particles of an archive without frames, and the source of their radii.
     whole: Option<anyhow::Result<(Particles, RadiusSource)>>,
     frames: Option<Header>,
-    /// Arrays that could be points, the read one first, and whether the name is usual for points.
+    /// Arrays that may hold the points, any read one first; whether each is chosen or usual.
     points: Vec<(bool, String)>,
     sizes: Vec<Array>,
     around: Cell,
@@ -103,7 +103,7 @@ impl Scenes {
                 self.sizes.push(Array { header, label: label.to_string(), column });
             }
             (&[_, 2..=4], _) if header.is_real() && self.takes(label, column, options) => {
-                // The array may not be the one that is used.
+                // A later array may replace this one.
                 self.whole = Some(npy::particles(source, &mut header, options));
             }
             (&[frames, rows, 2..=4], _)
@@ -181,8 +181,8 @@ impl Scenes {
             (self.whole, self.frames) = (None, None);
         }
         self.unused.push(assumed!(
-            "the particles are those of {taken}, and not of '{left}'; --columns points=NAME \
-             changes this"
+            "the particles are read from {taken}, not from '{left}'; --columns points=NAME changes \
+             this"
         ));
         Ok(())
     }

@@ -101,7 +101,7 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
         let count = words(line).count();
         let many = unsure && count > rows.columns.names.len();
         let last = count.saturating_sub(2);
-        // Behind a name of a species coordinates follow; behind a number they may not.
+        // Coordinates follow the name of a species, but not always a number.
         ensure!(
             !many || options.radius.is_some() && number(first_cell).is_none(),
             "{lines}: {count} columns, and plain XYZ has 4; give --columns x=2,y=3,z=4 or \

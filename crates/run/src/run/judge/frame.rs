@@ -153,7 +153,7 @@ impl<'a> JudgedFrame<'a> {
 
 /// Finds the errors of an answer. Most answers have the right digest, and need no comparison.
 fn compare(reported: &ContactList, truth: &ContactList, scene: &Loaded<'_>) -> Errors {
-    if reported.digest() == truth.digest() {
+    if std::ptr::eq(reported, truth) || reported.digest() == truth.digest() {
         return Errors::default();
     }
     let ContactList { plain, shifted } = truth;

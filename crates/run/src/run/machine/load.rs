@@ -45,13 +45,16 @@ impl Watch {
 }
 
 fn between(before: Times, after: Times, seconds: f64) -> Span {
-    let of = |which: fn(&Times) -> f64| (which(&after) - which(&before)).max(0.0);
+    // Counters jump when a virtual machine is moved, and processors may be taken away.
+    let cores = before.cores.max(after.cores);
+    let most = cores as f64 * seconds;
+    let of = |which: fn(&Times) -> f64| (which(&after) - which(&before)).clamp(0.0, most);
     let (idle, stolen_s, own_s) = (of(|it| it.idle), of(|it| it.stolen), of(|it| it.own));
-    let others = after.cores as f64 * seconds - idle - stolen_s - own_s;
+    let others = most - idle - stolen_s - own_s;
     let round = |seconds: f64| (seconds * 1e3).round() / 1e3;
     Span {
         seconds: round(seconds),
-        cores: after.cores,
+        cores,
         own_s: round(own_s),
         others_s: round(others.max(0.0)),
         stolen_s: round(stolen_s),
