@@ -10,7 +10,10 @@ use contactbench_terms::number::plural;
 
 /// Doubtful columns, and the columns that make them so: colours, bands of telescopes, errors of a
 /// redshift.
-const DOUBTS: [(&str, &str); 3] = [("r", "g+b"), ("r", "g+i"), ("z", "zerr z_err g+i")];
+const DOUBTS: [(&str, &str, &str); 2] = [
+    ("r", "g+b g+i", "--columns r=r if it is, or --radius R"),
+    ("z", "zerr z_err g+i", "--columns x=x,y=y,z=z if it is, or x=x,y=y"),
+];
 
 pub struct Rows {
     pub columns: Columns,
@@ -52,30 +55,14 @@ impl Columns {
     /// Refuses a radius or a coordinate beside columns that show that it may be something else.
     fn doubts(&self, place: &str, options: Options) -> anyhow::Result<()> {
         let has = |wanted: &str| self.names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
-        for (doubted, companions) in DOUBTS {
+        for (doubted, companions, ways) in DOUBTS {
             let column = Column::named(doubted);
-            let mut all = self.meaning.iter().zip(&self.names);
-            let is_it = |(it, name): (&Column, &String)| {
-                *it == column && name.eq_ignore_ascii_case(doubted)
-            };
-            if options.axes_chosen()
-                || column.is_size() && options.sizes_chosen()
-                || !all.any(is_it)
-            {
-                continue;
+            let chosen = options.axes_chosen() || column.is_size() && options.sizes_chosen();
+            let beside = companions.split(' ').find(|it| it.split('+').all(has));
+            if let Some(beside) = beside.filter(|_| !chosen && self.has(column) && has(doubted)) {
+                let (what, beside) = (column.words(), beside.replace('+', "' and '"));
+                bail!("{place}: '{doubted}' beside '{beside}' may not be {what}; give {ways}");
             }
-            let Some(beside) = companions.split(' ').find(|it| it.split('+').all(has)) else {
-                continue;
-            };
-            let beside = beside.replace('+', "' and '");
-            let (what, ways) = match column {
-                Column::Radius => ("radius", "r=r if it is, or --radius R"),
-                _ => (
-                    "coordinate",
-                    "x=x,y=y,z=z if it is, or x=x,y=y, with r=NAME if there is a size",
-                ),
-            };
-            bail!("{place}: '{doubted}' beside '{beside}' may be no {what}; give --columns {ways}");
         }
         Ok(())
     }

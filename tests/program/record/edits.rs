@@ -117,20 +117,15 @@ fn samples_fit_into_their_span() {
 #[test]
 fn lawful_records_are_read() {
     let at = Place::new();
-    let experiment = |name: &str, rest: &str| {
-        let texts = "title = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = 1\n";
-        at.file(&format!("{name}.toml"), format!("name = \"{name}\"\n{texts}{rest}\n"));
-    };
-    experiment(
-        "late",
-        "detectors = [\"nbs\", \"direct\"]\narithmetics = [\"exact-open\"]\ntime-limit-s = 0.1\n\
-         [[scene]]\nname = \"pack-a\"\nn = [14400, 19600]",
-    );
-    experiment(
-        "moving",
-        "detectors = [\"verlet(streamed-nbs)\", \"verlet(streamed-nbs-twin)\"]\n\
-         [[scene]]\nname = \"packed\"\nn = 40\nmotion = \"drift\"\nframes = 3",
-    );
+    let late = "detectors = ['nbs', 'direct']\narithmetics = ['exact-open']\ntime-limit-s = 0.1\n\
+                [[scene]]\nname = 'pack-a'\nn = [14400, 19600]";
+    let moving = "detectors = ['verlet(streamed-nbs)', 'verlet(streamed-nbs-twin)']\n\
+                  [[scene]]\nname = 'packed'\nn = 40\nmotion = 'drift'\nframes = 3";
+    for (name, rest) in [("late", late), ("moving", moving)] {
+        let head =
+            format!("name = '{name}'\ntitle = 't'\nquestion = '?'\nreading = '-'\nblocks = 1\n");
+        at.file(&format!("{name}.toml"), head + rest);
+    }
     at.good("run late.toml moving.toml --out a");
     let late = at.rows("a").into_iter().filter(|row| row.outcome != Outcome::Ok);
     assert!(late.count() > 0);

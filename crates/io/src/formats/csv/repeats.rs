@@ -82,10 +82,8 @@ impl Repeats {
         for seen in &mut *columns {
             seen.take(at(seen.column), is_first);
         }
-        let mut point = [[0.0; 2]; 3];
-        for (range, &axis) in point.iter_mut().zip(&*axes) {
-            *range = [number(at(axis)).unwrap_or(f64::NAN); 2];
-        }
+        let x = |axis: usize| axes.get(axis).map_or(0.0, |&k| number(at(k)).unwrap_or(f64::NAN));
+        let point: Range = [0, 1, 2].map(|axis| [x(axis); 2]);
         if is_first {
             let whole = |seen: &Seen| seen.value.is_some_and(|it| it.fract() == 0.0);
             let all = (0..columns.len()).flat_map(|a| (0..columns.len()).map(move |b| (a, b)));

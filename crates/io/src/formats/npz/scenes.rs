@@ -156,7 +156,8 @@ impl Scenes {
         }
         let chosen = options.columns.is_some_and(|chosen| chosen.points());
         let by_axes = matches!(self.axes, [Some(_), Some(_), _]);
-        let Some((usual, label)) = self.points.first().filter(|_| self.has_points()) else {
+        let has_points = self.whole.is_some() || self.frames.is_some();
+        let Some((usual, label)) = self.points.first().filter(|_| has_points) else {
             ensure!(by_axes, "{name} has no arrays x and y, and none ([frames,] N, 2 to 4)");
             return Ok(());
         };
@@ -185,10 +186,6 @@ impl Scenes {
              this"
         ));
         Ok(())
-    }
-
-    fn has_points(&self) -> bool {
-        self.whole.is_some() || self.frames.is_some()
     }
 
     fn is_flat(&self) -> bool {
