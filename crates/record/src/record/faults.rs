@@ -69,7 +69,7 @@ pub fn between(rows: &[Row]) -> Option<(usize, String)> {
     contradiction(rows).or_else(|| overlap(rows)).or_else(|| disorder(rows))
 }
 
-/// Fails if a row is impossible beside its process and span, of which so many nanoseconds are left.
+/// Fails if a row contradicts its process or its span. `spans` has the nanoseconds left of each span.
 fn possible(row: &Row, ledger: &Ledger, spans: &mut Left<'_>) -> Result<(), String> {
     let is_known = row.process.as_ref().is_none_or(|id| ledger.processes.contains_key(id));
     must!(is_known, "{} has no process {}", ledger::FILE, row.process.as_deref().unwrap_or(""));

@@ -17,7 +17,8 @@ const MOST_COLUMNS: usize = 12;
 pub(super) struct Repeats {
     columns: Vec<Seen>,
     axes: Vec<usize>,
-    pairs: Vec<Pair>,
+    /// `None` before the first row.
+    pairs: Option<Vec<Pair>>,
     ids: Vec<usize>,
 }
 
@@ -38,6 +39,7 @@ struct Seen {
 
 /// A column that may divide the scenes, and one that may number the particles of each.
 struct Pair {
+    /// Indices of the two columns in [`Repeats::columns`].
     divides: usize,
     numbers: usize,
     /// Whether the divided rows are the places of one particle, which may stand apart.
@@ -68,13 +70,13 @@ impl Repeats {
         let is_id =
             |&k: &usize| columns.meaning[k] == Column::Id || split::is_id(&columns.names[k]);
         let ids = seen.iter().map(|it| it.column).filter(is_id).collect();
-        (seen.len() > 1).then_some(Repeats { columns: seen, axes, pairs: Vec::new(), ids })
+        (seen.len() > 1).then_some(Repeats { columns: seen, axes, pairs: None, ids })
     }
 
     pub fn row<'a>(&mut self, cells: impl Iterator<Item = &'a [u8]>) {
         let Repeats { columns, axes, pairs, ids } = self;
-        let is_first = columns.iter().all(|it| it.last.is_empty());
-        if pairs.is_empty() && !is_first {
+        let is_first = pairs.is_none();
+        if pairs.as_ref().is_some_and(Vec::is_empty) {
             return;
         }
         let cells: Vec<&[u8]> = cells.collect();
@@ -84,7 +86,7 @@ impl Repeats {
         }
         let x = |axis: usize| axes.get(axis).map_or(0.0, |&k| number(at(k)).unwrap_or(f64::NAN));
         let point: Range = [0, 1, 2].map(|axis| [x(axis); 2]);
-        if is_first {
+        let Some(pairs) = pairs else {
             let whole = |seen: &Seen| seen.value.is_some_and(|it| it.fract() == 0.0);
             let all = (0..columns.len()).flat_map(|a| (0..columns.len()).map(move |b| (a, b)));
             let all = all.filter(|&(a, b)| a != b && whole(&columns[b]));
@@ -93,9 +95,9 @@ impl Repeats {
                 let (again, rose, range, before) = (false, false, point, None);
                 Pair { divides, numbers, tracks, again, rose, range, before }
             };
-            pairs.extend(all.map(pair));
+            *pairs = Some(all.map(pair).collect());
             return;
-        }
+        };
         pairs.retain_mut(|pair| {
             let (begins, numbers) = (columns[pair.divides].changes, &columns[pair.numbers]);
             let goes_on = numbers.rises != begins && (!begins || pair.overlaps());
@@ -114,7 +116,8 @@ impl Repeats {
 
     /// Fails if the rows seem to be several scenes.
     pub fn end(&self, columns: &Columns) -> anyhow::Result<()> {
-        let found = self.pairs.iter().find(|pair| pair.again && pair.rose && pair.overlaps());
+        let found =
+            self.pairs.iter().flatten().find(|pair| pair.again && pair.rose && pair.overlaps());
         let Some(Pair { divides, numbers, tracks, .. }) = found else { return Ok(()) };
         let [by, of] = [divides, numbers].map(|&k| self.columns[k].column);
         let [divides, numbers] = [by, of].map(|k| short(&columns.names[k]));
