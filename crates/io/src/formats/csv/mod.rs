@@ -4,8 +4,7 @@
 //!   order and case. Units of length may follow the names. Other columns are skipped.
 //! * The separator is found in the first line: semicolon, else comma, else tab, else blanks. Quoted
 //!   text may contain separators and doubled quotes, but no line breaks.
-//! * A column of frames, steps or times splits the rows into frames; see [`split`]. Tables with
-//!   several scenes and no such column are refused; see [`repeats`].
+//! * A column of frames, steps or times splits rows into frames; see [`split`] and [`repeats`].
 //! * Blank lines and lines that start with `#`, `%`, `!` or `//` are skipped. If the rows have no
 //!   header, such a line is the header if it names as many columns as the rows have.
 //! * `#` or `%` after a blank starts a comment, unless the line has the right number of columns

@@ -23,7 +23,7 @@ pub(super) struct Repeats {
 }
 
 /// A column of neither coordinates nor sizes.
-#[derive(Clone)]
+#[derive(Default)]
 struct Seen {
     column: usize,
     first: Vec<u8>,
@@ -39,7 +39,6 @@ struct Seen {
 
 /// A column that may divide the scenes, and one that may number the particles of each.
 struct Pair {
-    /// Indices of the two columns in [`Repeats::columns`].
     divides: usize,
     numbers: usize,
     /// Whether the divided rows are the places of one particle, which may stand apart.
@@ -62,10 +61,7 @@ impl Repeats {
             all.filter(move |(_, it)| is_it(it)).map(|(k, _)| k)
         };
         let unused = which(|it| matches!(it, Column::Other | Column::Id)).take(MOST_COLUMNS);
-        let (first, last, value) = (Vec::new(), Vec::new(), None);
-        let seen =
-            Seen { column: 0, first, last, value, changes: false, rises: false, again: false };
-        let seen: Vec<Seen> = unused.map(|column| Seen { column, ..seen.clone() }).collect();
+        let seen: Vec<Seen> = unused.map(|column| Seen { column, ..Seen::default() }).collect();
         let axes = which(|it| matches!(it, Column::Axis(_))).take(3).collect();
         let is_id =
             |&k: &usize| columns.meaning[k] == Column::Id || split::is_id(&columns.names[k]);
@@ -116,8 +112,7 @@ impl Repeats {
 
     /// Fails if the rows seem to be several scenes.
     pub fn end(&self, columns: &Columns) -> anyhow::Result<()> {
-        let found =
-            self.pairs.iter().flatten().find(|pair| pair.again && pair.rose && pair.overlaps());
+        let found = self.pairs.iter().flatten().find(|it| it.again && it.rose && it.overlaps());
         let Some(Pair { divides, numbers, tracks, .. }) = found else { return Ok(()) };
         let [by, of] = [divides, numbers].map(|&k| self.columns[k].column);
         let [divides, numbers] = [by, of].map(|k| short(&columns.names[k]));
