@@ -18,7 +18,9 @@ pub use crate::record::id::{CellId, FIELDS};
 use crate::record::role::Role;
 use crate::record::row::{Measurement, Outcome, Pass, Row};
 pub use crate::record::value::AxisValue;
-use crate::stats::interval::{Block, Blocks, Interval, interval, median, ratio, typical_ratio};
+use crate::stats::interval::{
+    Block, Blocks, COVERAGE, Interval, interval, median, ratio, typical_ratio_at,
+};
 use contactbench_terms::errors::{Causes, Errors};
 use contactbench_terms::scene::Stats;
 
@@ -162,8 +164,13 @@ impl Cell {
     /// The ratio of this cell's time to the other's, paired by block, and by round if both were
     /// timed in turns.
     pub fn ratio(&self, to: &Cell) -> Option<Interval> {
+        self.ratio_at(to, COVERAGE)
+    }
+
+    pub fn ratio_at(&self, to: &Cell, coverage: f64) -> Option<Interval> {
         let rounds: Vec<_> = self.rounds.iter().zip(&to.rounds).collect();
-        if rounds.is_empty() { ratio(&self.times, &to.times) } else { typical_ratio(&rounds) }
+        let whole = [(&self.times, &to.times)];
+        typical_ratio_at(if rounds.is_empty() { &whole } else { &rounds }, coverage)
     }
 
     pub fn cold_ratio(&self, to: &Cell) -> Option<Interval> {

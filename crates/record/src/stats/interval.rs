@@ -47,8 +47,12 @@ pub fn mad(values: &[f64]) -> Option<f64> {
 }
 
 pub fn interval(values: &[f64]) -> Option<Interval> {
+    interval_at(values, COVERAGE)
+}
+
+fn interval_at(values: &[f64], wanted: f64) -> Option<Interval> {
     let values = sorted(values);
-    let (rank, coverage) = rank(values.len())?;
+    let (rank, coverage) = rank(values.len(), wanted)?;
     Some(Interval {
         median: middle(&values)?,
         low: *values.get(rank - 1)?,
@@ -59,26 +63,26 @@ pub fn interval(values: &[f64]) -> Option<Interval> {
 }
 
 /// The largest k such that the k-th smallest to the k-th largest of n values cover the median with
-/// at least [`COVERAGE`], and the actual coverage. If the whole range covers less, k = 1.
-pub fn rank(n: usize) -> Option<(usize, f64)> {
+/// at least the wanted coverage, and the actual one. If the whole range covers less, k = 1.
+fn rank(n: usize, wanted: f64) -> Option<(usize, f64)> {
     // Logarithms are used because 2^-n underflows for large n.
     let tails = (0..n.div_ceil(2)).scan(-(n as f64) * std::f64::consts::LN_2, |log, below| {
         let term = log.exp();
         *log += ((n - below) as f64 / (below + 1) as f64).ln();
         Some(term)
     });
-    widest(tails).map(|(below, coverage)| (below + 1, coverage))
+    widest(tails, wanted).map(|(below, coverage)| (below + 1, coverage))
 }
 
-/// The number of values that can be left out at either end while coverage stays at least
-/// [`COVERAGE`], and the coverage. `tails` are the probabilities that exactly 0, 1, ... values are
+/// The number of values that can be left out at either end while coverage stays at least the
+/// wanted one, and the coverage. `tails` are the probabilities that exactly 0, 1, ... values are
 /// below the true one.
-pub(super) fn widest(tails: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
+pub(super) fn widest(tails: impl Iterator<Item = f64>, wanted: f64) -> Option<(usize, f64)> {
     let (mut best, mut tail) = (None, 0.0);
     for (below, probability) in tails.enumerate() {
         tail += probability;
         let coverage = (1.0 - 2.0 * tail).max(0.0);
-        if best.is_some() && coverage < COVERAGE {
+        if best.is_some() && coverage < wanted {
             break;
         }
         best = Some((below, coverage));
@@ -123,6 +127,10 @@ pub fn ratio(a: &Blocks, b: &Blocks) -> Option<Interval> {
 /// Like [`ratio`], for several pairs (a, b). Pairs measured in one span share its blocks, and the
 /// median of a block counts once. Scenes of several seeds have their own spans, so all ratios count.
 pub fn typical_ratio(pairs: &[(&Blocks, &Blocks)]) -> Option<Interval> {
+    typical_ratio_at(pairs, COVERAGE)
+}
+
+pub fn typical_ratio_at(pairs: &[(&Blocks, &Blocks)], coverage: f64) -> Option<Interval> {
     let mut blocks: BTreeMap<Block, Vec<f64>> = BTreeMap::new();
     for (a, b) in pairs {
         for (block, &a) in a.iter() {
@@ -132,7 +140,7 @@ pub fn typical_ratio(pairs: &[(&Blocks, &Blocks)]) -> Option<Interval> {
         }
     }
     let logs: Vec<f64> = blocks.values().filter_map(|logs| median(logs)).collect();
-    Some(interval(&logs)?.exp())
+    Some(interval_at(&logs, coverage)?.exp())
 }
 
 #[cfg(test)]
@@ -154,12 +162,12 @@ mod tests {
             (15, 4, 96.484375),
             (20, 6, 95.8610534667969),
         ] {
-            let (rank, covered) = rank(n).unwrap();
+            let (rank, covered) = rank(n, COVERAGE).unwrap();
             assert_eq!(rank, k, "n = {n}");
             assert!((100.0 * covered - coverage).abs() < 1e-9, "n = {n}: {covered}");
         }
-        assert_eq!(rank(0), None);
-        let (k, covered) = rank(5000).unwrap();
+        assert_eq!(rank(0, COVERAGE), None);
+        let (k, covered) = rank(5000, COVERAGE).unwrap();
         assert!((2400..2500).contains(&k) && (0.95..0.96).contains(&covered));
     }
 

@@ -45,7 +45,7 @@ fn tail(n: usize, m: usize) -> Option<(usize, f64)> {
     }
     let frequencies = mann_whitney(n, m);
     let all: f64 = frequencies.iter().sum();
-    widest(frequencies.iter().map(|frequency| frequency / all))
+    widest(frequencies.iter().map(|frequency| frequency / all), COVERAGE)
 }
 
 /// Mean nm/2, variance nm(n + m + 1)/12; 1.96 deviations, rounded outwards.

@@ -9,7 +9,7 @@ use crate::findings::trust::noise::Noise;
 use crate::record::id::Projection;
 use crate::record::row::Pass;
 use crate::stats::growth::{self, Choice, LIMIT, Model, Tail};
-use crate::stats::interval::Interval;
+use crate::stats::interval::{COVERAGE, Interval, at_least};
 use contactbench_terms::number::{number, percent, times, with_interval};
 
 const ROUNDING: f64 = 1e-12;
@@ -124,7 +124,10 @@ pub(super) fn compared(
     });
     let sides: Vec<_> = sides.collect();
     let used = cells_of(points);
-    let Some(&(worst, value, limit, gap, _)) = sides.iter().max_by(|a, b| a.3.total_cmp(&b.3))
+    // The worst of the cells that decide: false ones, otherwise undecided ones.
+    let rank = |(.., (holds, fails)): &(&Cell, f64, f64, f64, (bool, bool))| (*fails, !holds);
+    let Some(&(worst, value, limit, gap, _)) =
+        sides.iter().max_by(|a, b| rank(a).cmp(&rank(b)).then(a.3.total_cmp(&b.3)))
     else {
         return Evidence::new(Status::NotShown, "no cell has both sides".into()).about(used);
     };
@@ -253,56 +256,95 @@ fn misfit(choice: &Choice, off: Option<Tail>, wanted: &str) -> String {
     exponent + &law
 }
 
+/// A cell beside that of another detector on the same scene.
+struct Raced<'a> {
+    cell: &'a Cell,
+    other: &'a Cell,
+    ratio: Interval,
+    side: Side,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Side {
+    Faster,
+    Undecided,
+    Slower,
+}
+
+/// Cells of `cells` whose detector is not `than`, beside that of `than`, if both have times.
+fn raced<'a>(than: &str, by: f64, cells: &[&'a Cell], own: &'a [Cell]) -> Vec<Raced<'a>> {
+    let noise = Noise::new(&own.iter().collect::<Vec<_>>());
+    let all: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
+    let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good() && !cell.misses_by_rule();
+    let pair = |&cell: &&'a Cell| {
+        let other = *all.get(&cell.id.clone().with_subject(than))?;
+        let ratio = cell.ratio(other).filter(|_| good(other) && good(cell))?;
+        let side = match ratio.scaled(by) {
+            ratio if !noise.decides(&ratio, cell.id.n) => Side::Undecided,
+            ratio if ratio.median > 1.0 => Side::Slower,
+            _ => Side::Faster,
+        };
+        Some(Raced { cell, other, ratio, side })
+    };
+    cells.iter().filter(|cell| cell.id.subject() != than).filter_map(pair).collect()
+}
+
+/// Whether cells are slower beyond chance. A comparison of many cells finds some slower by chance;
+/// therefore more are slower than that, or one by an interval that allows for the number of cells.
+fn beyond_chance(found: &[Raced], by: f64) -> bool {
+    let slower: Vec<&Raced> = found.iter().filter(|it| it.side == Side::Slower).collect();
+    let strict = 1.0 - (1.0 - COVERAGE) / found.len() as f64;
+    let surely = |it: &&Raced| {
+        let ratio = it.cell.ratio_at(it.other, strict).filter(|ratio| ratio.coverage >= strict);
+        ratio.is_some_and(|ratio| ratio.low * by > 1.0)
+    };
+    let chance = at_least(slower.len(), found.len(), (1.0 - COVERAGE) / 2.0);
+    chance < 1.0 - COVERAGE || slower.iter().any(surely)
+}
+
 pub(super) fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> Evidence {
-    let other: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
-    let mut found: Vec<(&Cell, Interval)> = Vec::new();
-    for &cell in cells.iter().filter(|cell| cell.id.subject() != than) {
-        let twin = cell.id.clone().with_subject(than);
-        let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good() && !cell.misses_by_rule();
-        if let Some(&other) = other.get(&twin).filter(|other| good(other) && good(cell)) {
-            found.extend(cell.ratio(other).map(|ratio| (cell, ratio)));
-        }
-    }
-    let compared: Vec<&Cell> = found.iter().map(|(cell, _)| *cell).collect();
+    let found = raced(than, by, cells, own);
+    let compared: Vec<&Cell> = found.iter().map(|it| it.cell).collect();
     let those = cells.iter().copied().filter(|cell| cell.id.subject() == than);
     let used = compared.iter().copied().chain(those);
-    let Some((worst, interval)) = found.iter().max_by(|a, b| a.1.high.total_cmp(&b.1.high)) else {
+    // The worst of the cells that decide.
+    let Some(worst) =
+        found.iter().max_by(|a, b| a.side.cmp(&b.side).then(a.ratio.high.total_cmp(&b.ratio.high)))
+    else {
         let words = format!("no cell has times of both it and {than}");
         return Evidence::nothing(&words).about(used);
     };
-    let noise = Noise::new(&own.iter().collect::<Vec<_>>());
-    let decided = |(cell, ratio): &(&Cell, Interval)| noise.decides(&ratio.scaled(by), cell.id.n);
-    let slower = found.iter().filter(|pair| decided(pair) && pair.1.median * by > 1.0).count();
-    let open = found.iter().filter(|pair| !decided(pair)).count();
+    let count = |side: Side| found.iter().filter(|it| it.side == side).count();
+    let (slower, open) = (count(Side::Slower), count(Side::Undecided));
+    let fails = beyond_chance(&found, by);
+    let status = decided(slower + open == 0, fails);
     let misses = match by {
         1.0 => "not faster".into(),
         by if by < 1.0 => format!("over {} times", times(1.0 / by)),
         by => format!("not {by} times as fast"),
     };
-    let (status, tell) = match (slower, open) {
-        (0, 0) => (Status::Holds, String::new()),
-        (0, _) if found.len() == 1 => (Status::NotShown, "; undecided".into()),
-        (0, open) => (Status::NotShown, format!("; undecided in {open}")),
-        _ if found.len() == 1 => (Status::Fails, format!("; {misses}")),
-        (slower, 0) => (Status::Fails, format!("; {misses} in {slower}")),
-        (slower, open) => {
-            (Status::Fails, format!("; {misses} in {slower}, undecided in {open} more"))
-        }
+    let tell = if found.len() == 1 {
+        let one = [misses, "undecided".into()].into_iter().zip([slower, open]);
+        one.filter(|(_, count)| *count > 0).map(|(words, _)| format!("; {words}")).collect()
+    } else {
+        let chance = if fails { "" } else { ", perhaps by chance" };
+        let slow = (slower > 0).then(|| format!("; {misses} in {slower}{chance}"));
+        let open = (open > 0).then(|| format!("; undecided in {open}"));
+        [slow, open].into_iter().flatten().collect::<String>()
     };
-    let medians = || found.iter().map(|(_, ratio)| ratio.median);
-    let (least, most) = (medians().fold(f64::INFINITY, f64::min), medians().fold(0.0, f64::max));
+    let end = |pick: fn(f64, f64) -> f64| {
+        times(found.iter().map(|it| it.ratio.median).reduce(pick).unwrap_or(f64::NAN))
+    };
+    let interval = with_interval(&worst.ratio);
     let words = match &found[..] {
-        [_] => {
-            format!("{} times the time of {than} in the only cell{tell}", with_interval(interval))
-        }
+        [_] => format!("{interval} times the time of {than} in the only cell{tell}"),
         all => format!(
-            "{} to {} times the time of {than} in {} cells{tell}; {} {} at {}",
-            times(least),
-            times(most),
+            "{} to {} times the time of {than} in {} cells{tell}; {} {interval} at {}",
+            end(f64::min),
+            end(f64::max),
             all.len(),
             if status == Status::Holds { "closest to the limit:" } else { "worst:" },
-            with_interval(interval),
-            place(&worst.id, &varying(&compared))
+            place(&worst.cell.id, &varying(&compared))
         ),
     };
     Evidence::new(status, words).about(used)

@@ -150,6 +150,28 @@ fn a_time_claim_needs_a_clear_ratio() {
     }
 }
 
+#[test]
+fn a_slower_cell_among_many_may_be_chance() {
+    let evidence = |slow: u64, blocks: usize| {
+        let mut lab = Lab::new("e", "packed");
+        for n in 1..=30 {
+            let time = if n > slow { 90 } else { 110 };
+            // An undecided cell with a wider interval is not the evidence of a failure.
+            let wide: Vec<u64> = (0..blocks as u64).map(|k| 40 + 120 * (k % 2)).collect();
+            let times = if n == 30 { wide } else { vec![time; blocks] };
+            lab.n(n).detector("a").time(&times).detector("b").time(&vec![100; blocks]);
+        }
+        one(&lab, "kind = 'faster'\nthan = 'b'\nwhere = { detector = 'a' }").evidence
+    };
+    for (slow, blocks, status) in
+        [(0, 15, NotShown), (1, 8, NotShown), (1, 15, Fails), (2, 8, NotShown), (3, 8, Fails)]
+    {
+        let Evidence { status: found, found: words, .. } = evidence(slow, blocks);
+        assert_eq!(found, status, "{slow} {blocks}: {words}");
+        assert_eq!(words.contains("worst: 1.10 (1.10 to 1.10)"), slow > 0, "{words}");
+    }
+}
+
 const ALL: [u64; 9] = [1, 2, 5, 10, 20, 50, 100, 150, 200];
 
 /// A plan of nine spacings, two detectors and seven blocks.
