@@ -9,7 +9,8 @@
 //!
 //! * Cost: N log2 N for N particles in a dense packing. The sort makes at most log2 n passes over
 //!   the particles for each axis with n cells, so a sparse domain costs more. A key comparison
-//!   compares one integer in the sort and all D integers in a search.
+//!   compares one integer in the sort and all D integers in a search. A step along the particles of
+//!   a cell is a list step.
 //! * Memory: `4N(D + 1)` bytes in D dimensions, the least of all. Nothing is cached.
 //! * Refuses domains of 2^31 or more cells along an axis, and scenes over the memory limit.
 //! * Deviations from the book: cells are wider by 4 parts in a million
@@ -215,11 +216,8 @@ impl<const D: usize> Sorting<D> {
     #[inline(always)]
     fn end_of(&self, start: usize, cell: [u32; D], probe: &mut impl Probe) -> usize {
         let mut end = start;
-        while end < self.particles.len() {
-            probe.count(Op::KeyCompare);
-            if self.cell(end) != cell {
-                break;
-            }
+        while end < self.particles.len() && self.cell(end) == cell {
+            probe.count(Op::ListStep);
             end += 1;
         }
         end
