@@ -2,13 +2,26 @@
 
 use anyhow::bail;
 
-const MAGICS: [(&str, &[u8]); 12] = [
+const MAGICS: [(&str, &[u8]); 25] = [
     ("bzip2", b"BZh"),
     ("xz", b"\xfd7zXZ\0"),
     ("zstd", b"(\xb5/\xfd"),
     ("HDF5", b"\x89HDF\r\n"),
     ("NetCDF", b"CDF"),
     ("PLY", b"ply"),
+    ("a shape of Rockable", b"<\n"),
+    ("EDEM's export", b"EXPORTED DATA"),
+    ("MFiX", b"Version 2.0\n==="),
+    ("OpenFOAM", b"FoamFile"),
+    ("MatrixMarket", b"%%MatrixMarket"),
+    ("CIF", b"data_"),
+    ("PDB", b"CRYST1"),
+    ("PDB", b"HEADER    "),
+    ("PDB", b"ATOM      "),
+    ("MAT of MATLAB", b"MATLAB 5.0 MAT-file"),
+    ("XTC of GROMACS", b"\0\0\x07\xcb"),
+    ("TRR of GROMACS", b"\0\0\x07\xc9"),
+    ("DCD", b"T\0\0\0CORD"),
     ("XML (VTK, HTML)", b"<"),
     ("JSON", b"{"),
     ("TOML", b"[["),

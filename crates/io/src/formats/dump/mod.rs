@@ -100,7 +100,7 @@ fn atoms(header: &Header, options: Options) -> anyhow::Result<(Rows, bool)> {
 /// (unwrapped), s (scaled) or su.
 fn axes(columns: &mut Columns, chosen: bool, place: &str) -> anyhow::Result<&'static str> {
     let Columns { names, meaning, .. } = columns;
-    let at = |name: &str| names.iter().position(|other| other == name);
+    let at = |name: &str| names.iter().position(|other| other.eq_ignore_ascii_case(name));
     // A chosen column `xs` holds scaled coordinates, too.
     let is_x = |k: usize| !chosen || meaning[k] == Column::Axis(0);
     let kinds = ["", "u", "s", "su"].into_iter();
@@ -113,7 +113,7 @@ fn axes(columns: &mut Columns, chosen: bool, place: &str) -> anyhow::Result<&'st
     let of_one_kind = at(&axes[2]).is_some() || other.is_none();
     ensure!(of_one_kind, "{place}: z is not of the same kind as '{}'; write x y z", axes[0]);
     for (meaning, name) in meaning.iter_mut().zip(names) {
-        match axes.iter().position(|axis| axis == name) {
+        match axes.iter().position(|axis| axis.eq_ignore_ascii_case(name)) {
             Some(k) => *meaning = Column::Axis(k),
             None if matches!(meaning, Column::Axis(_)) => *meaning = Column::Other,
             None => {}
@@ -122,7 +122,8 @@ fn axes(columns: &mut Columns, chosen: bool, place: &str) -> anyhow::Result<&'st
     Ok(kind)
 }
 
-fn scale_last(bounds: &Declared, particles: &mut Particles) -> anyhow::Result<()> {
+/// Replaces the last particle's fractions of the box by lengths.
+pub(super) fn scale_last(bounds: &Declared, particles: &mut Particles) -> anyhow::Result<()> {
     let Declared { vectors: Some(vectors), origin, .. } = bounds else { return Ok(()) };
     let last = particles.len() - 1;
     let scaled = particles.centre(last);

@@ -184,7 +184,12 @@ impl Arrays {
         Ok(match of {
             Of::Points if ["vtkGhostType", "vtkGhostLevels"].contains(&label) => Target::Ghosts(0),
             Of::Nothing => Target::Nothing,
-            _ if components != 1 => Target::Nothing,
+            _ if components != 1 => {
+                if is_size {
+                    self.other(&format!("{label} ({components} numbers each, not one)"));
+                }
+                Target::Nothing
+            }
             Of::Points if options.ids && column == Column::Id => Target::Ids(Some(Vec::new())),
             // Ids of VTK's own, if no others are chosen.
             Of::Points if options.ids && label == "GlobalIds" && options.columns.is_none() => {

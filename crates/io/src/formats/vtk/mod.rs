@@ -115,7 +115,10 @@ impl Vtk<'_> {
             }
             ("SCALARS", [name, kind, rest @ ..]) => self.scalars(name, kind, rest.first())?,
             ("PEDIGREE_IDS", [name, kind]) => self.skip(kind, 1, name)?,
-            ("VECTORS" | "NORMALS", [name, kind, ..]) => self.skip(kind, 3, name)?,
+            ("VECTORS" | "NORMALS", [name, kind, ..]) => {
+                self.arrays.target(self.of, name, 3, self.options)?;
+                self.skip(kind, 3, name)?;
+            }
             ("TENSORS", [name, kind, ..]) => self.skip(kind, 9, name)?,
             ("TEXTURE_COORDINATES", [name, k, kind, ..]) => {
                 self.skip(kind, k.parse().unwrap_or(0), name)?;

@@ -137,7 +137,7 @@ fn declared(comment: &Comment, space: bool, options: Options) -> anyhow::Result<
     let mut vectors = None;
     if boundaries.edges.is_none() {
         let what = match space {
-            true => "nine finite numbers, one vector after the other, or three edges",
+            true => "nine finite numbers, or three edges (four are vectors of discs, with pos:R:2)",
             false => "nine finite numbers, one vector after the other, or four for discs",
         };
         let counts: &[usize] = if space { &[9, 3] } else { &[9, 3, 4] };
