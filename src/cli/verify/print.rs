@@ -114,6 +114,13 @@ fn conditions(out: &mut Output, all: &All) {
         (all.others.len() as u64, format!("ignored: {}", pairs::columns_of(&all.others))),
         (contacts + pairs, left_out),
         (
+            all.selves_left_out,
+            format!(
+                "left out: each particle with itself, {}",
+                counted(all.selves_left_out, "pair")
+            ),
+        ),
+        (
             first.len() as u64,
             format!("left out: {without} without a list: {}{more}", first.join(" ")),
         ),
@@ -124,7 +131,10 @@ fn conditions(out: &mut Output, all: &All) {
             out.text(words);
         }
     }
-    out.values(json!({ "left_out_pairs": all.left_out_pairs }));
+    out.values(json!({
+        "left_out_pairs": all.left_out_pairs,
+        "selves_left_out": all.selves_left_out,
+    }));
 }
 
 /// Prints the number of wrong pairs of each kind, and the largest error.

@@ -7,7 +7,7 @@ use anyhow::{Context, bail, ensure};
 use super::array::Array;
 use super::columns::Columns;
 use super::list::List;
-use super::{RowReader, push};
+use super::{MATRIX, RowReader, push};
 use crate::formats::npy::{self, Header};
 use crate::formats::npz;
 use crate::frames::{Choice, Reader};
@@ -110,8 +110,34 @@ impl Arrays {
             all.append(&mut self.others);
             bail!("{name} has no arrays i and j, and none (pairs, 2); there are: {}", listed(&all))
         };
-        Ok(List { format: "NumPy npz", ..self.tables.swap_remove(k).1? })
+        let (label, list) = self.tables.swap_remove(k);
+        let list = list?;
+        if let Some(k) = self.columns.iter().position(|counts| is_padded(&list, counts)) {
+            let counts = short(&self.names[k]);
+            bail!(
+                "{name}: each row of '{label}' has the neighbours of one particle, whose number is \
+                 in '{counts}'; {MATRIX}"
+            )
+        }
+        Ok(List { format: "NumPy npz", ..list })
     }
+}
+
+/// Whether each row of a list has as many numbers as `counts` states, followed by one number that
+/// is the same everywhere: the padding of a matrix of neighbours.
+fn is_padded(list: &List, counts: &[i64]) -> bool {
+    let images = list.images.as_deref();
+    let width = 2 + images.map_or(0, |_| if list.flat { 2 } else { 3 });
+    let cells = |k: usize| {
+        let image = images.map_or([0; 3], |images| images[k].map(i64::from));
+        list.pairs[k].into_iter().chain(image).take(width)
+    };
+    let fits = |count: &i64| usize::try_from(*count).is_ok_and(|count| count <= width);
+    let behind = |k: usize| cells(k).skip(counts[k] as usize);
+    let padding = || (0..counts.len()).flat_map(behind);
+    counts.len() == list.pairs.len()
+        && counts.iter().all(fits)
+        && padding().next().is_some_and(|first| padding().all(|other| other == first))
 }
 
 /// Reads an array into `count` columns; `of` is the column of a number. `None` if a number is not

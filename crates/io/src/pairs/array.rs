@@ -11,7 +11,7 @@
 use anyhow::{Context, bail, ensure};
 
 use super::list::List;
-use super::{Rows, push};
+use super::{MATRIX, Rows, push};
 use crate::formats::npy::{self, Header};
 use crate::frames::Choice;
 use crate::raw::lines::{Source, exact};
@@ -108,7 +108,10 @@ impl Rows for Array<'_> {
         };
         let Some(shape) = Shape::of(&header, choice.is_all()) else {
             let (name, shape) = (self.source.name, npy::shape(&header.sizes));
-            bail!("{name}: the shape is {shape}, not (pairs, 2) or (2, pairs), or (pairs, 4 or 5)")
+            bail!(
+                "{name}: the shape is {shape}, not (pairs, 2) or (2, pairs), or (pairs, 4 or 5); if \
+                 each row has the neighbours of one particle, {MATRIX}"
+            )
         };
         choice.sparse = shape.framed;
         if shape.turned {

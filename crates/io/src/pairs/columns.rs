@@ -3,7 +3,8 @@
 use anyhow::{Context, ensure};
 
 use crate::pairs::{List, push};
-use crate::raw::lines::{Lines, listed, short, shown, whole};
+use crate::raw::lines::{Lines, listed, number, short, shown, whole};
+use crate::types::assumed;
 
 const PAIRS: [[&str; 2]; 5] =
     [["i", "j"], ["patom1", "patom2"], ["natom1", "natom2"], ["id1", "id2"], ["first", "second"]];
@@ -19,30 +20,37 @@ pub(super) struct Columns {
     /// Names of the columns; columns without names have none here.
     names: Vec<String>,
     count: usize,
+    /// Columns with the value that a row must have to be read, and the option that names both.
+    only: Vec<(usize, String)>,
+    left_out: u64,
 }
 
 impl Columns {
-    /// Finds the columns by name, or uses the `chosen` ones, which may be numbers from 1. Returns
-    /// `None` if no pair is found.
+    /// Finds the columns by name, or uses the `chosen` ones, which may be numbers from 1. A chosen
+    /// `COLUMN=VALUE` limits the rows. Returns `None` if no pair is found.
     pub fn named(
         names: &[String],
         chosen: &[&str],
         place: impl Fn() -> String,
     ) -> anyhow::Result<Option<Columns>> {
         let at = |label: &str| names.iter().position(|name| name.eq_ignore_ascii_case(label));
-        if !chosen.is_empty() {
-            let by_number = |label: &str| label.parse::<usize>().ok()?.checked_sub(1);
-            let mut places = Vec::new();
-            for label in chosen {
-                let found = at(label).or_else(|| by_number(label).filter(|&k| k < names.len()));
-                places.push(found.with_context(|| {
-                    format!("{}: there is no column '{label}' among {}", place(), listed(names))
-                })?);
+        let by_number = |label: &str| label.parse::<usize>().ok()?.checked_sub(1);
+        let (mut places, mut only) = (Vec::new(), Vec::new());
+        for text in chosen {
+            let (label, value) = text.split_once('=').unzip();
+            let label = label.unwrap_or(text);
+            let found = at(label).or_else(|| by_number(label).filter(|&k| k < names.len()));
+            let k = found.with_context(|| {
+                format!("{}: there is no column '{label}' among {}", place(), listed(names))
+            })?;
+            match value {
+                Some(_) => only.push((k, text.to_string())),
+                None => places.push(k),
             }
-            let image = places.split_off(2);
-            let pair = [places[0], places[1]];
-            let count = usize::MAX;
-            return Ok(Some(Columns { pair, image, count, ..Columns::default() }));
+        }
+        if let [i, j, image @ ..] = &places[..] {
+            let (pair, image, count) = ([*i, *j], image.to_vec(), usize::MAX);
+            return Ok(Some(Columns { pair, image, count, only, ..Columns::default() }));
         }
         let mut pairs = PAIRS.iter().map(|[i, j]| at(i).zip(at(j)));
         let Some((i, j)) = pairs.find_map(|pair| pair).or_else(|| of_one_compute(names)) else {
@@ -51,10 +59,12 @@ impl Columns {
         let image: Vec<usize> = ["sx", "sy", "sz"].iter().map_while(|name| at(name)).collect();
         ensure!(image.len() != 1, "{}: an image has sx, sy and, for spheres, sz", place());
         let mut columns = Columns { pair: [i, j], image, ..Columns::bare(names.len()) };
-        let is_used = |k: &usize| columns.pair.contains(k) || columns.image.contains(k);
+        let limits = |k: &usize| only.iter().any(|(column, _)| column == k);
+        let is_used =
+            |k: &usize| columns.pair.contains(k) || columns.image.contains(k) || limits(k);
         columns.others = (0..names.len()).filter(|k| !is_used(k)).collect();
         columns.ids = names[i].eq_ignore_ascii_case("id1");
-        Ok(Some(Columns { names: names.to_vec(), ..columns }))
+        Ok(Some(Columns { names: names.to_vec(), only, ..columns }))
     }
 
     /// Takes the first two of `count` unnamed columns as the pair.
@@ -72,7 +82,16 @@ impl Columns {
         cells: &[&[u8]],
         list: &mut List,
     ) -> anyhow::Result<()> {
-        let number = |k: usize, what: &str| {
+        let has = |(k, text): &(usize, String)| {
+            let cell = cells.get(*k).copied().unwrap_or_default();
+            let value = text.split_once('=').unwrap_or_default().1.as_bytes();
+            cell == value || number(cell).is_some_and(|cell| number(value) == Some(cell))
+        };
+        if !self.only.iter().all(has) {
+            self.left_out += 1;
+            return Ok(());
+        }
+        let whole_at = |k: usize, what: &str| {
             let found = cells.get(k).copied().unwrap_or_default();
             whole(found).with_context(|| {
                 let (place, found) = (lines.place(), shown(found));
@@ -80,10 +99,10 @@ impl Columns {
                 format!("{place}: column {}: '{found}' is not the number of {what}{remedy}", k + 1)
             })
         };
-        let pair = [number(self.pair[0], "a particle")?, number(self.pair[1], "a particle")?];
+        let pair = [whole_at(self.pair[0], "a particle")?, whole_at(self.pair[1], "a particle")?];
         let mut image = [0; 3];
         for (&k, to) in self.image.iter().zip(&mut image) {
-            *to = number(k, "an image")?;
+            *to = whole_at(k, "an image")?;
         }
         let image = (!self.image.is_empty()).then_some(image);
         self.others.extend(self.count..cells.len());
@@ -99,6 +118,12 @@ impl Columns {
         }
         let name = |&k: &usize| self.names.get(k).map_or((k + 1).to_string(), |name| short(name));
         list.others = self.others.iter().map(name).collect();
+        if self.left_out > 0 {
+            let options: Vec<&str> = self.only.iter().map(|(_, text)| &**text).collect();
+            let (left_out, rows) = (self.left_out, self.left_out + list.pairs.len() as u64);
+            let options = options.join(",");
+            list.notices.push(assumed!("{options} leaves out {left_out} of {rows} rows"));
+        }
         list.unnamed = self.others.iter().any(|&k| k >= self.names.len());
     }
 }

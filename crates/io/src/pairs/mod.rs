@@ -78,8 +78,12 @@ pub fn lists_from<T>(
     frame: FrameChoice,
     body: impl FnOnce(Lists<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
-    let fits = matches!(columns.len(), 0 | 2 | 4 | 5);
-    ensure!(fits, "--pairs-columns takes I,J for the particles, or I,J,SX,SY[,SZ] with the image");
+    let count = columns.iter().filter(|label| !label.contains('=')).count();
+    ensure!(
+        matches!(count, 0 | 2 | 4 | 5),
+        "--pairs-columns takes I,J for the particles, or I,J,SX,SY[,SZ] with the image, and \
+         COLUMN=VALUE to read only rows with this value"
+    );
     unpacked(reader, name, |input, unpacking, head, _| {
         let reader = open(Source { input, name, unpacking }, head, columns)?;
         body(Lists::new(reader, Choice::new(frame, false), name))
@@ -92,11 +96,18 @@ fn open<'a>(
     columns: &'a [&'a str],
 ) -> anyhow::Result<Box<dyn Reader<List> + 'a>> {
     let name = source.name;
-    if head.starts_with(npy::MAGIC) {
+    let (is_npy, is_npz) = (head.starts_with(npy::MAGIC), head.starts_with(b"PK\x03\x04"));
+    let limits = columns.iter().any(|label| label.contains('='));
+    ensure!(
+        !(is_npy && !columns.is_empty() || is_npz && limits),
+        "{name}: --pairs-columns is for tables, and this is an array; write its pairs as CSV, or \
+         the columns that hold them as an array: numpy.save('pairs.npy', a[:, :2])"
+    );
+    if is_npy {
         return Ok(Box::new(RowReader::new(array::Array::new(source))));
     }
     unread::refuse(head, name)?;
-    if head.starts_with(b"PK\x03\x04") {
+    if is_npz {
         return Ok(Box::new(Once::new(move || archive::read(source, columns))));
     }
     let is_text = !head.contains(&0);
@@ -107,6 +118,11 @@ fn open<'a>(
     }
     Ok(Box::new(RowReader::new(csv::Csv::new(lines, columns))))
 }
+
+/// What to do with a matrix of neighbours.
+const MATRIX: &str = "write the pairs: i, k = numpy.nonzero(numpy.arange(m.shape[1]) < c[:, \
+                      None]); numpy.save('pairs.npy', numpy.stack([i, m[i, k]], 1)), where m is the \
+                      array and c has the numbers of neighbours";
 
 /// Rows of pairs, each of which may contain its frame.
 trait Rows {

@@ -53,6 +53,8 @@ pub struct All {
     pub read: Option<(&'static str, Meaning, Option<Taken>)>,
     /// Numbers of contacts and of listed pairs left out by `--without`.
     pub left_out_pairs: [u64; 2],
+    /// Number of pairs of a particle with itself that were left out.
+    pub selves_left_out: u64,
     /// Names of ignored columns.
     pub others: Vec<String>,
     /// The first wrong frame and its hint.
@@ -106,6 +108,7 @@ impl All {
             let taken = verified.lattice().map(|_| found.taken);
             self.read = Some((list.format, verified.naming, taken));
         }
+        self.selves_left_out += found.selves_left_out;
         self.left_out_pairs.iter_mut().zip(found.left_out).for_each(|(all, of)| *all += of);
         for other in &list.others {
             if !self.others.contains(other) {

@@ -1,6 +1,6 @@
 //! Translates the entries of a list to contacts between particles of a scene.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use anyhow::{Context, bail};
 
@@ -85,14 +85,30 @@ pub(super) struct Listing {
     /// Pairs listed in one direction only, although both are expected.
     pub one_sided: Vec<NamedPair>,
     pub left_out: u64,
+    /// Number of pairs of a particle with itself, if the list has one for each particle. Codes that
+    /// count a particle among its neighbours write such pairs; they are left out.
+    pub selves: u64,
 }
 
 impl Listing {
     /// Translates the list of a job. With `both_sides`, each pair counts once that the list has in
     /// both directions. Fails if memory runs out.
-    pub fn new(job: &Job<'_>, naming: &Naming, both_sides: bool) -> anyhow::Result<Listing> {
+    pub fn new(
+        job: &Job<'_>,
+        naming: &Naming,
+        both_sides: bool,
+        truth: &ContactList,
+    ) -> anyhow::Result<Listing> {
         let (list, without, n) = (job.list, job.terms.without, job.space.scene().len());
-        let mut listing = Listing { has_images: list.images.is_some(), ..Listing::default() };
+        let has_images = list.images.is_some();
+        let own = |k: usize| {
+            let [i, j] = list.pairs[k];
+            i == j && list.images.is_none_or(|images| images[k] == [0; 3])
+        };
+        // Without images, the pair may also be a contact of a particle with its own image.
+        let may_touch = !has_images && truth.shifted.iter().any(|pair| pair.i == pair.j);
+        let selves = if may_touch { 0 } else { selves(list.pairs, own, naming, n) };
+        let mut listing = Listing { has_images, selves, ..Listing::default() };
         let mut sides = [ContactList::default(), ContactList::default()];
         if list.images.is_none() && !both_sides {
             let count = list.pairs.len();
@@ -102,6 +118,9 @@ impl Listing {
             })?;
         }
         for (k, &[i, j]) in list.pairs.iter().enumerate() {
+            if selves > 0 && own(k) {
+                continue;
+            }
             let (Some(a), Some(b)) = (naming.place(i, n), naming.place(j, n)) else {
                 io::room(&mut listing.unknown)?;
                 listing.unknown.push([i, j]);
@@ -146,6 +165,14 @@ impl Listing {
         listing.one_sided = naming.names(&single);
         Ok(Listing { contacts: ContactList { plain: plain?, shifted: shifted? }, ..listing })
     }
+}
+
+/// Returns the number of pairs of a particle with itself, if each particle has exactly one;
+/// otherwise 0.
+fn selves(pairs: &[NamedPair], own: impl Fn(usize) -> bool, naming: &Naming, n: usize) -> u64 {
+    let all = || (0..pairs.len()).filter(|&k| own(k)).map(|k| pairs[k][0]);
+    let distinct = || all().filter_map(|name| naming.place(name, n)).collect::<HashSet<u32>>();
+    if n > 1 && all().count() == n && distinct().len() == n { n as u64 } else { 0 }
 }
 
 /// Merges pairs listed in both directions. Passes to `single` each pair listed more often in one

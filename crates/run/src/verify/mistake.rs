@@ -50,7 +50,7 @@ pub fn explain(job: &Job<'_>, found: &Verification) -> anyhow::Result<Option<Rea
     let none = ContactList::default();
     let mut readings = Vec::new();
     let mut test = |mistake, naming, both_sides, truth: &ContactList| -> anyhow::Result<()> {
-        let listing = Listing::new(job, naming, both_sides)?;
+        let listing = Listing::new(job, naming, both_sides, truth)?;
         let against = Against { space: job.space, truth, near: &none, skin: 0.0, kept: WORST };
         let faults = (listing.unknown.len() + listing.one_sided.len()) as u64;
         let wrong = against.hold(&listing).errors.wrong() + faults;

@@ -82,6 +82,8 @@ pub struct Verification {
     pub within_skin: u64,
     pub taken: Taken,
     pub left_out: [u64; 2],
+    /// Number of particles, if the list has each of them with itself, and these pairs are left out.
+    pub selves_left_out: u64,
 }
 
 impl Verification {
@@ -111,7 +113,7 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
         truth.shifted.retain(|pair| !groups.leave_out(pair.i, pair.j));
     }
     let Terms { allowed: Allowed { both_sides, skin }, kept, .. } = terms;
-    let listing = Listing::new(job, naming, both_sides)?;
+    let listing = Listing::new(job, naming, both_sides, &truth)?;
     left_out = [left_out[0] - truth.len(), listing.left_out];
     let near = match boxed && skin > 0.0 && !listing.has_images {
         true => within(space, skin, terms.memory_limit)?,
@@ -119,8 +121,8 @@ pub fn verify(job: &Job<'_>) -> anyhow::Result<Verification> {
     };
     let against = Against { space, truth: &truth, near: &near, skin, kept };
     let found = against.hold(&listing);
-    let Listing { unknown, one_sided, .. } = listing;
-    Ok(Verification { truth, unknown, one_sided, left_out, ..found })
+    let Listing { unknown, one_sided, selves: selves_left_out, .. } = listing;
+    Ok(Verification { truth, unknown, one_sided, left_out, selves_left_out, ..found })
 }
 
 /// Returns errors by cause of a list whose contacts were decided in `arithmetic`; `None` without a
