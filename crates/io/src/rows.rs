@@ -2,6 +2,7 @@
 
 use anyhow::{Context, anyhow, bail};
 
+use crate::columns::shapes::Clump;
 use crate::columns::{Column, Columns};
 use crate::options::Options;
 use crate::particles::{Loaded, Particles, loaded, unused_sizes};
@@ -45,6 +46,7 @@ impl Columns {
         let ids = self.meaning.iter().filter(|column| **column == Column::Id).count();
         particles.ids = (options.ids && ids == 1).then(Vec::new);
         particles.groups = options.without.map(|it| it.groups(self, place)).transpose()?;
+        particles.clump = Clump::of(&self.names);
         let unused = self.meaning.iter().zip(&self.names);
         let unused = unused.filter(|(meaning, _)| **meaning == Column::Other);
         particles.unused = unused.map(|(_, name)| name.clone()).collect();
@@ -107,6 +109,9 @@ impl Columns {
         }
         if let Some(groups) = &mut particles.groups {
             groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
+        }
+        if let Some(clump) = &mut particles.clump {
+            clump.see(all.clone().nth(clump.column).unwrap_or_default());
         }
         particles.push(point, radius, id).with_context(place)
     }

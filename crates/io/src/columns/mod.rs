@@ -1,6 +1,7 @@
 //! The columns of a file or the arrays of an archive: their names and meaning.
 
 pub mod chosen;
+pub mod shapes;
 pub mod units;
 pub mod without;
 

@@ -1,5 +1,6 @@
-//! Contacts left out by a column of the particles: `type=2`, or `type=1:2`.
+//! Contacts left out by a column of the particles: `type=2`, `type=1:2`, or `clumpId=same`.
 
+use std::collections::HashMap;
 use std::str::FromStr;
 
 use anyhow::{Context, bail, ensure};
@@ -11,11 +12,12 @@ use crate::raw::room::room;
 use crate::types::FrameChoice;
 
 /// Leaves out contacts of particles with a given value in a column: all of them, or only contacts
-/// with particles of a second value.
+/// with particles of a second value; or contacts of two particles with the same value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Without {
     column: Word,
     rules: &'static [[Option<Word>; 2]],
+    same: bool,
 }
 
 const MOST: usize = 100;
@@ -24,12 +26,17 @@ impl FromStr for Without {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Without, String> {
-        const FORM: &str = "write a column and one or two values, as in type=2 or type=1:2";
-        let (mut columns, mut rules) = (Vec::new(), Vec::new());
+        const FORM: &str = "write a column and one or two values, as in type=2 or type=1:2, or \
+                            clump=same";
+        let (mut columns, mut rules, mut same) = (Vec::new(), Vec::new(), false);
         for piece in text.split(',') {
             let (column, values) = piece.split_once('=').ok_or(FORM)?;
-            let values: Vec<Word> = values.split(':').map(word).collect::<Result<_, _>>()?;
             columns.push(word(column)?);
+            if values == "same" {
+                same = true;
+                continue;
+            }
+            let values: Vec<Word> = values.split(':').map(word).collect::<Result<_, _>>()?;
             match values[..] {
                 [value] => rules.push([Some(value), None]),
                 [a, b] => rules.push([Some(a), Some(b)]),
@@ -37,7 +44,7 @@ impl FromStr for Without {
             }
         }
         match columns.iter().all(|column| *column == columns[0]) && rules.len() <= MOST {
-            true => Ok(Without { column: columns[0], rules: rules.leak() }),
+            true => Ok(Without { column: columns[0], rules: rules.leak(), same }),
             false => {
                 Err(format!("'{text}' names several columns, or many values; name one column"))
             }
@@ -55,7 +62,8 @@ impl Without {
                 listed(&columns.names)
             )
         })?;
-        let mut groups = Groups { column, ..Groups::default() };
+        let alike = self.same.then(HashMap::new);
+        let mut groups = Groups { column, alike, ..Groups::default() };
         for rule in self.rules {
             let [a, b] = rule.map(|value| value.map(|value| groups.index(value)));
             groups.rules.extend(a.map(|a| (a, b)));
@@ -74,6 +82,10 @@ pub struct Groups {
     rules: Vec<(u8, Option<u8>)>,
     /// For each particle, the index of its value; the number of values if no rule names its value.
     of: Vec<u8>,
+    /// The values seen, if contacts of particles with the same value are left out.
+    alike: Option<HashMap<Vec<u8>, u32>>,
+    /// For each particle, the number of its value; `None` for a particle of no clump or molecule.
+    value: Vec<Option<u32>>,
 }
 
 impl Groups {
@@ -97,13 +109,22 @@ impl Groups {
     pub fn push(&mut self, cell: &[u8]) -> anyhow::Result<()> {
         room(&mut self.of)?;
         self.of.push(self.find(cell) as u8);
+        let Some(alike) = &mut self.alike else { return Ok(()) };
+        // YADE writes -1 for a sphere without a clump, and LAMMPS molecule 0 for an atom of none.
+        let least = if self.name.starts_with("mol") { 1.0 } else { 0.0 };
+        let is_none = number(cell).is_some_and(|value| value < least);
+        room(&mut self.value)?;
+        let next = alike.len() as u32;
+        self.value.push((!is_none).then(|| *alike.entry(cell.to_vec()).or_insert(next)));
         Ok(())
     }
 
     pub fn leave_out(&self, i: u32, j: u32) -> bool {
         let [a, b] = [i, j].map(|k| self.of[k as usize]);
         let is = |(x, y): (u8, Option<u8>), a, b| a == x && y.is_none_or(|y| b == y);
-        self.rules.iter().any(|&rule| is(rule, a, b) || is(rule, b, a))
+        let values = [i, j].map(|k| self.value.get(k as usize).copied().flatten());
+        values[0].is_some() && values[0] == values[1] && i != j
+            || self.rules.iter().any(|&rule| is(rule, a, b) || is(rule, b, a))
     }
 
     /// Refuses values that no particle has, unless another frame may have them, and columns that

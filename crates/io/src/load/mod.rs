@@ -8,6 +8,7 @@ use std::path::Path;
 
 use anyhow::{Context, ensure};
 
+use crate::columns::shapes;
 use crate::formats;
 use crate::frames::{Choice, Stream};
 use crate::options::Options;
@@ -197,6 +198,7 @@ fn finished(
     if options.dim.is_none() && particles.is_flat() {
         particles.notices.push(Notice::Flat);
     }
+    particles.notices.extend(shapes::notices(&particles));
     particles.source = Some(about.radius.clone());
     Ok((particles, about))
 }

@@ -9,6 +9,7 @@ use anyhow::{Context, bail, ensure};
 use nalgebra::Point;
 
 use crate::boxes::along;
+use crate::columns::shapes::Clump;
 use crate::columns::without::Groups;
 use crate::raw::lines::{listed, short};
 use crate::raw::room::{numbered, room, room_for};
@@ -49,6 +50,7 @@ pub struct Particles {
     /// The file's own numbers of the particles, if it has them and the options ask for them.
     pub ids: Option<Vec<i64>>,
     pub groups: Option<Groups>,
+    pub(crate) clump: Option<Clump>,
     /// The periodic box; `None` in open space.
     pub lattice: Option<Lattice>,
     /// Whether the file has a box, periodic or not.

@@ -81,11 +81,6 @@ fn atoms(header: &Header, options: Options) -> anyhow::Result<(Rows, bool)> {
     let assumed = [
         (scaled, "coordinates scaled by the box (xs): turned into lengths, which are rounded"),
         (
-            columns.names.iter().any(|name| name == "shapex"),
-            "the particles have shapes (shapex) and may be no spheres: they are read as spheres of \
-             their radius or diameter",
-        ),
-        (
             kind.ends_with('u'),
             "unwrapped coordinates: particles may be outside the box, and contacts across open \
              boundaries are left out",
