@@ -80,7 +80,8 @@ fn all(
         let periodic = given.periodic().with_context(place)?;
         let found = search.find(&given, periodic.as_ref()).with_context(place)?;
         told.tell(&which, found.doubt(&given).as_slice());
-        let style = style(options, &given, periodic.as_ref(), ids, by_id);
+        let counts = found.counts(options, n).with_context(place)?;
+        let style = style(options, &given, periodic.as_ref(), ids, by_id, &counts);
         out.frame(about.frame, &style, found.pairs.iter()).with_context(place)?;
         done.frames += 1;
         done.pairs += found.pairs.iter().len();

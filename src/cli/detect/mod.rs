@@ -52,7 +52,7 @@ pub struct Detect {
     /// Number particles from 0 in file order [default]
     #[arg(long)]
     places: bool,
-    /// More columns: overlap, normal, ids
+    /// More columns: overlap, normal, ids, count
     #[arg(long = "with", value_name = "COLUMNS", value_parser = extra(), value_delimiter = ',')]
     #[arg(hide_possible_values = true)]
     extras: Vec<Extra>,
@@ -130,7 +130,8 @@ pub fn detect(options: &Detect) -> anyhow::Result<()> {
     let periodic = given.periodic()?;
     let found = search.find(&given, periodic.as_ref()).with_context(|| name.clone())?;
     tell(&name, found.doubt(&given).as_slice());
-    let style = search::style(options, &given, periodic.as_ref(), ids.as_deref(), options.ids);
+    let (counts, ids) = (found.counts(options, n)?, ids.as_deref());
+    let style = search::style(options, &given, periodic.as_ref(), ids, options.ids, &counts);
     io::write::contacts(options.out.as_deref(), found.pairs.iter(), &style)?;
     let SearchResult { time, memory, pairs, images, .. } = &found;
     let across = match (&given.lattice, pairs) {

@@ -14,7 +14,7 @@ use contactbench_ground::limits::crowd;
 use contactbench_ground::pairs::normalise::normalise_by;
 use contactbench_ground::pairs::pair_list::PAIR_BYTES;
 use contactbench_ground::periodic::{ContactList, IMAGE_PAIR_BYTES, ImagePair, Periodic};
-use contactbench_io::write::Style;
+use contactbench_io::write::{self, Extra, Style};
 use contactbench_io::{Given, Notice};
 use contactbench_lists::periodic::Finder;
 use contactbench_run::run::runner::alloc;
@@ -61,12 +61,19 @@ pub(super) fn style<'a>(
     periodic: Option<&'a Periodic<'a>>,
     ids: Option<&'a [i64]>,
     by_id: bool,
+    counts: &'a [u32],
 ) -> Style<'a> {
     let scene = periodic.map_or(&given.scene, Periodic::scene);
-    Style { scene, periodic, ids, by_id, extras: &options.extras }
+    Style { scene, periodic, ids, by_id, extras: &options.extras, counts }
 }
 
 impl SearchResult {
+    /// Returns the number of contacts of each particle, if the options need it.
+    pub fn counts(&self, options: &Detect, n: usize) -> anyhow::Result<Vec<u32>> {
+        let n = if options.extras.contains(&Extra::Count) { n } else { 0 };
+        write::counts(n, self.pairs.iter())
+    }
+
     /// Returns the doubt about the sizes of a file, if there are far too many contacts.
     pub fn doubt(&self, given: &Given) -> Option<Notice> {
         let each = 2.0 * self.pairs.iter().len() as f64 / given.scene.len().max(1) as f64;

@@ -1,6 +1,6 @@
 //! Output of `inspect`: radii, contacts and rounding errors.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use serde_json::json;
 
@@ -14,6 +14,7 @@ use contactbench_ground::periodic::{self, ImagePair, Periodic};
 use contactbench_ground::scene::{Real, array};
 use contactbench_ground::with_scene;
 use contactbench_io::RadiusSource;
+use contactbench_io::write::counts;
 use contactbench_scenes::doubts::crowded;
 use contactbench_terms::number::{number, plural};
 
@@ -22,6 +23,8 @@ use contactbench_terms::number::{number, plural};
 const NEAR: f64 = 1e-9;
 /// Maximum estimated number of contacts in open space; above it, `inspect` does not search them.
 const MOST: f64 = 5e7;
+/// How many numbers of contacts are printed; JSON has all.
+const SHOWN: usize = 16;
 
 pub(super) enum Contacts {
     Found {
@@ -148,6 +151,7 @@ fn found(periodic: &Periodic<'_>, pairs: &[ImagePair], near: u64, overlap: f64, 
         number(mean)
     );
     out.line("contacts", text, values);
+    each_with(periodic.scene().len(), pairs, out);
     out.line(
         "near tangent",
         format!(
@@ -162,6 +166,22 @@ fn found(periodic: &Periodic<'_>, pairs: &[ImagePair], near: u64, overlap: f64, 
             plural(near as usize, "pair")
         ));
     }
+}
+
+/// Prints how many particles have 0, 1, 2, ... contacts.
+fn each_with(n: usize, pairs: &[ImagePair], out: &mut Output) {
+    // Without memory for the numbers, the line is left out, like other measures of a large scene.
+    let Ok(counts) = counts(n, pairs.iter().copied()) else { return };
+    let mut particles: BTreeMap<u32, usize> = BTreeMap::new();
+    counts.into_iter().for_each(|count| *particles.entry(count).or_default() += 1);
+    let shown = particles.iter().take(SHOWN).map(|(count, of)| format!("{of} with {count}"));
+    let mut text = shown.collect::<Vec<_>>().join(", ");
+    let more: usize = particles.values().skip(SHOWN).sum();
+    if more > 0 {
+        text += &format!(", {more} with more");
+    }
+    let all: Vec<_> = particles.into_iter().collect();
+    out.line("per particle", text, json!({ "particles_by_contacts": all }));
 }
 
 /// Prints the distance from the origin, and the errors of f32 there.

@@ -91,8 +91,10 @@ enum Form {
 impl Form {
     fn of(style: &Style<'_>) -> Form {
         match style {
-            _ if style.extras.iter().any(|extra| *extra != Extra::Ids) => Form::F8,
-            _ if style.by_id || style.has(Extra::Ids) => Form::I8,
+            _ if style.extras.iter().any(|it| matches!(it, Extra::Overlap | Extra::Normal)) => {
+                Form::F8
+            }
+            _ if style.by_id || !style.extras.is_empty() => Form::I8,
             _ if style.images() > 0 => Form::I4,
             _ => Form::U4,
         }

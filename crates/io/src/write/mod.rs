@@ -28,7 +28,7 @@ mod framed;
 mod row;
 mod vtk;
 pub use framed::{Framed, framed, of_file};
-pub use row::{Extra, Style};
+pub use row::{Extra, Style, counts};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PairFormat {

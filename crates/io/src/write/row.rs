@@ -1,5 +1,7 @@
 //! The columns of a written contact: two particles by index or id, the image, and extra columns.
 
+use anyhow::Context;
+
 use crate::raw::room::room;
 use contactbench_ground::contact::depth::depth;
 use contactbench_ground::periodic::{self, ImagePair, Periodic};
@@ -12,10 +14,11 @@ pub enum Extra {
     Overlap,
     Normal,
     Ids,
+    Count,
 }
 
 impl Extra {
-    pub const ALL: [(Extra, &'static str, &'static str); 3] = [
+    pub const ALL: [(Extra, &'static str, &'static str); 4] = [
         (
             Extra::Overlap,
             "overlap",
@@ -23,6 +26,7 @@ impl Extra {
         ),
         (Extra::Normal, "normal", "The unit vector from the first particle to the second"),
         (Extra::Ids, "ids", "The ids of the two particles"),
+        (Extra::Count, "count", "The number of contacts of each of the two particles"),
     ];
 }
 
@@ -34,12 +38,27 @@ pub struct Style<'a> {
     /// Whether contacts use ids, smaller first, and are sorted by them.
     pub by_id: bool,
     pub extras: &'a [Extra],
+    /// Number of contacts of each particle, for [`Extra::Count`].
+    pub counts: &'a [u32],
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Number {
     Whole(i64),
     Real(f64),
+}
+
+/// Returns the number of contacts of each of `n` particles. A contact of a particle with its own
+/// image counts twice. Fails if memory runs out.
+pub fn counts(n: usize, contacts: impl Iterator<Item = ImagePair>) -> anyhow::Result<Vec<u32>> {
+    let mut counts = Vec::new();
+    let room = counts.try_reserve_exact(n);
+    room.with_context(|| format!("no memory for the number of contacts of {n} particles"))?;
+    counts.resize(n, 0);
+    for k in contacts.flat_map(|pair| [pair.i, pair.j]) {
+        counts.get_mut(k as usize).into_iter().for_each(|count: &mut u32| *count += 1);
+    }
+    Ok(counts)
 }
 
 /// Reverses a contact. Written contacts may have either direction, unlike reported ones; the image
@@ -50,7 +69,7 @@ pub(super) fn turned(ImagePair { i, j, image }: ImagePair) -> ImagePair {
 
 impl<'a> Style<'a> {
     pub fn plain(scene: &'a AnyScene<'a>) -> Style<'a> {
-        Style { scene, periodic: None, ids: None, by_id: false, extras: &[] }
+        Style { scene, periodic: None, ids: None, by_id: false, extras: &[], counts: &[] }
     }
 
     pub(super) fn images(&self) -> usize {
@@ -73,11 +92,18 @@ impl<'a> Style<'a> {
         if self.has(Extra::Ids) && !self.by_id {
             names.extend(["id1", "id2"]);
         }
+        if self.has(Extra::Count) {
+            names.extend(["count1", "count2"]);
+        }
         names
     }
 
     pub(super) fn id(&self, k: u32) -> i64 {
         self.ids.and_then(|ids| ids.get(k as usize)).copied().unwrap_or(i64::from(k))
+    }
+
+    pub(super) fn count(&self, k: u32) -> u32 {
+        self.counts.get(k as usize).copied().unwrap_or_default()
     }
 
     pub(super) fn directed(
@@ -115,6 +141,9 @@ impl<'a> Style<'a> {
         }
         if self.has(Extra::Ids) && !self.by_id {
             [i, j].iter().for_each(|&k| put(Number::Whole(self.id(k))));
+        }
+        if self.has(Extra::Count) {
+            [i, j].iter().for_each(|&k| put(Number::Whole(self.count(k).into())));
         }
     }
 

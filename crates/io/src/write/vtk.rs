@@ -54,7 +54,10 @@ pub(super) fn write<T: Real, const D: usize>(
         scalars(out, "image int", points.clone().map(|(_, image)| u8::from(image != [0; 3])))?;
     }
     if style.by_id || style.has(Extra::Ids) {
-        scalars(out, "id long", points.map(|(k, _)| style.id(k)))?;
+        scalars(out, "id long", points.clone().map(|(k, _)| style.id(k)))?;
+    }
+    if style.has(Extra::Count) {
+        scalars(out, "contacts int", points.map(|(k, _)| style.count(k)))?;
     }
     if style.has(Extra::Overlap) || style.has(Extra::Normal) {
         writeln!(out, "CELL_DATA {}", lines.len())?;

@@ -147,6 +147,16 @@ impl Listing {
         if !both_sides {
             return Ok(Listing { contacts: forward, ..listing });
         }
+        listing.merge(&forward, &backward, naming)
+    }
+
+    /// Takes each pair once that stands in both directions.
+    fn merge(
+        self,
+        forward: &ContactList,
+        backward: &ContactList,
+        naming: &Naming,
+    ) -> anyhow::Result<Listing> {
         let mut single = Vec::new();
         let own = |pair: &[u32; 2]| pair[0] == pair[1];
         let turn = |pair: [u32; 2], forward| if forward { pair } else { [pair[1], pair[0]] };
@@ -162,8 +172,8 @@ impl Listing {
                 single.push(turn([pair.i, pair.j], forward));
             },
         );
-        listing.one_sided = naming.names(&single);
-        Ok(Listing { contacts: ContactList { plain: plain?, shifted: shifted? }, ..listing })
+        let contacts = ContactList { plain: plain?, shifted: shifted? };
+        Ok(Listing { contacts, one_sided: naming.names(&single), ..self })
     }
 }
 
