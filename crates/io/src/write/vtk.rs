@@ -19,8 +19,7 @@ pub(super) fn write<T: Real, const D: usize>(
 ) -> io::Result<()> {
     let (n, lattice) = (scene.len(), style.periodic.map(Periodic::lattice));
     let mut lines: Vec<ImagePair> = Vec::new();
-    let room = lines.try_reserve(2 * contacts.len());
-    room.map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
+    lines.try_reserve(2 * contacts.len()).map_err(|_| io::ErrorKind::OutOfMemory)?;
     for pair in contacts {
         lines.push(pair);
         lines.extend((pair.image != [0; 3]).then(|| turned(pair)));
