@@ -13,7 +13,7 @@ use contactbench_terms::number::plural;
 #[derive(clap::Args)]
 pub struct Scene {
     /// Particle file, or a scene such as packed:n=200 (list scenes)
-    #[arg(value_name = "FILE|SCENE", value_parser = values::SCENE, hide_possible_values = true)]
+    #[arg(value_name = "FILE|SCENE", value_hint = clap::ValueHint::FilePath)]
     scene: String,
     #[command(flatten)]
     input: Input,

@@ -1,6 +1,5 @@
 //! `contactbench completions` with man pages, and remedies for words that are not verbs.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -55,46 +54,8 @@ pub fn completions(options: &Completions) -> anyhow::Result<()> {
             .with_context(|| format!("cannot write man pages to {}", folder.display()))?;
     }
     if let Some(shell) = options.shell {
-        let mut script = Vec::new();
-        clap_complete::generate(shell, &mut Cli::command(), "contactbench", &mut script);
-        let script = with_files(shell, &String::from_utf8_lossy(&script));
-        std::io::stdout().lock().write_all(script.as_bytes())?;
+        let mut out = std::io::stdout().lock();
+        clap_complete::generate(shell, &mut Cli::command(), "contactbench", &mut out);
     }
     Ok(())
-}
-
-/// Adds files to the completions of scenes and experiments, which clap's generator leaves out.
-fn with_files(shell: Shell, script: &str) -> String {
-    let scenes = GENERATORS.map(|generator| generator.name).join(" ");
-    let experiments = builtin::names().collect::<Vec<_>>().join(" ");
-    let kinds = [
-        ("scenes", scenes, &["detect", "draw", "recommend", "scene", "trace"][..]),
-        ("experiments", experiments, &["run"][..]),
-    ];
-    let mut script = script.to_string();
-    for (what, names, verbs) in kinds {
-        match shell {
-            Shell::Zsh => {
-                let function = format!("_contactbench_{what}");
-                script = script.replace(&format!(":({names})"), &format!(":{function}"));
-                let body = format!(
-                    "{function}() {{\n    _alternative '{what}:{what}:({names})' \
-                     'files:file:_files'\n}}\n\n"
-                );
-                let end = script.rfind("\nif [ ").map_or(script.len(), |end| end + 1);
-                script.insert_str(end, &body);
-            }
-            Shell::Fish => {
-                for verb in verbs {
-                    script += &format!(
-                        "complete -c contactbench -n \"__fish_contactbench_using_subcommand \
-                         {verb}\" -a \"{names}\" -d '{what}'\n"
-                    );
-                }
-            }
-            // Bash completes file names by default.
-            _ => {}
-        }
-    }
-    script
 }

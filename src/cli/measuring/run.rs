@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use crate::cli::measuring::report::finish;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::progress::Terminal;
-use crate::cli::shared::{terminal, values};
+use crate::cli::shared::terminal;
 use contactbench_record::experiment::shard::Shard;
 use contactbench_record::record::row;
 use contactbench_run::plan::builtin;
@@ -18,7 +18,7 @@ use contactbench_run::run::session::{self, Asked};
 pub struct Run {
     /// Names (see: list experiments), or TOML files
     #[arg(value_name = "EXPERIMENT", required = true)]
-    #[arg(value_parser = values::EXPERIMENT, hide_possible_values = true)]
+    #[arg(value_hint = clap::ValueHint::FilePath)]
     experiments: Vec<String>,
     /// Small scenes and few blocks, to see that all works
     #[arg(long)]

@@ -5,7 +5,6 @@ use std::path::Path;
 use anyhow::{bail, ensure};
 
 use crate::cli::shared::input::{Input, OPTIONS};
-use crate::cli::shared::values;
 use contactbench_ground::scene::AnyScene;
 use contactbench_io as io;
 use contactbench_io::Given;
@@ -23,7 +22,7 @@ pub type WithIds = (Given, Option<Vec<i64>>);
 #[derive(clap::Args)]
 pub struct Source {
     /// Particle file, or a scene such as packed:n=200 (list scenes)
-    #[arg(value_name = "FILE|SCENE", value_parser = values::SCENE, hide_possible_values = true)]
+    #[arg(value_name = "FILE|SCENE", value_hint = clap::ValueHint::FilePath)]
     pub scene: Option<String>,
     #[command(flatten)]
     pub input: Input,

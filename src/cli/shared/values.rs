@@ -6,8 +6,7 @@ use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 
 use contactbench_detectors::table::TABLE;
 use contactbench_record::record::faults::MOST_THREADS;
-use contactbench_run::plan::{builtin, detectors};
-use contactbench_scenes::spec::GENERATORS;
+use contactbench_run::plan::detectors;
 use contactbench_terms::{must, number};
 
 /// Parses a whole number: `1000000`, `1e6`, `1_000_000`.
@@ -38,8 +37,6 @@ pub const DETECTORS: Named = Named(|| {
     let names = TABLE.iter().map(|entry| entry.name);
     names.chain(detectors::groups()).collect()
 });
-pub const SCENE: Named = Named(|| GENERATORS.iter().map(|generator| generator.name).collect());
-pub const EXPERIMENT: Named = Named(|| builtin::names().collect());
 
 impl TypedValueParser for Named {
     type Value = String;

@@ -35,7 +35,7 @@ pub struct Check {
     arithmetic: Vec<Arithmetic>,
     /// File or scene, repeatable [default: many scenes]
     #[arg(long, value_name = "FILE|SCENE")]
-    #[arg(value_parser = values::SCENE, hide_possible_values = true)]
+    #[arg(value_hint = clap::ValueHint::FilePath)]
     scene: Vec<String>,
     #[command(flatten)]
     input: Input,
