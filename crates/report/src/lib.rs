@@ -6,6 +6,7 @@ mod facts;
 pub mod figure;
 pub mod page;
 pub mod report;
+pub mod research_object;
 pub mod sections;
 pub mod site;
 pub mod table;

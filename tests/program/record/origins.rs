@@ -7,6 +7,7 @@ use std::process::Command;
 use contactbench::record::folder::ledger::Ledger;
 use contactbench::record::row::{Outcome, Pass, Row};
 use contactbench_ground::wide::Level;
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use crate::common::{PROGRAM, Place, answers, runner, sample};
@@ -16,6 +17,34 @@ const TEXT: &str = include_str!("../experiments/streamed.toml");
 fn sum(path: &Path) -> String {
     let sum = Sha256::digest(std::fs::read(path).unwrap());
     sum.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// <https://w3id.org/ro/wfrun/process/0.5>
+#[test]
+fn a_report_describes_its_folder_for_archives() {
+    let at = Place::new();
+    at.file("t.toml", TEXT);
+    at.good("run t.toml --out result");
+    at.good("report result");
+    let text = at.read("result/ro-crate-metadata.json");
+    let crate_: Value = serde_json::from_str(&text).unwrap();
+    let graph = crate_["@graph"].as_array().unwrap();
+    let find = |id: &str| graph.iter().find(|it| it["@id"] == id).unwrap_or_else(|| panic!("{id}"));
+    let parts = find("./")["hasPart"].as_array().unwrap();
+    let listed: Vec<&str> = parts.iter().map(|part| part["@id"].as_str().unwrap()).collect();
+    let there = at.shell("cd result; find . -type f | sed 's|^./||' | LC_ALL=C sort").stdout;
+    let there: Vec<&str> = there.lines().filter(|it| !it.starts_with("ro-crate")).collect();
+    assert_eq!(listed, there);
+    for path in listed {
+        assert_eq!(find(path)["sha256"], sum(&at.path("result").join(path)), "{path}");
+    }
+    let run = find("#run");
+    assert!(run["name"].as_str().unwrap().contains("run t.toml --out result"), "{run}");
+    assert_eq!(run["object"], serde_json::json!([{ "@id": "experiments/t.toml" }]));
+    // Every reference within the file leads to an entity.
+    for id in text.split("\"@id\": \"").skip(1).map(|rest| &rest[..rest.find('"').unwrap()]) {
+        assert!(id == "https://w3id.org/ro/crate/1.1" || find(id)["@type"].is_string(), "{id}");
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::document::{self, Block};
 use crate::facts::Facts;
 use crate::figure::style::Styles;
 use crate::table::csv;
-use crate::{csv as files, page, sections};
+use crate::{csv as files, page, research_object, sections};
 use contactbench_record::cells::cells;
 use contactbench_record::experiment::Experiment;
 use contactbench_record::findings::claim::Verdict;
@@ -58,6 +58,14 @@ pub fn write(
     for (name, tables) in tables {
         let path = folder.join(name);
         std::fs::write(&path, csv(&tables))
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    // Written last, because it lists all other files.
+    if let Some(provenance) = &facts.origin.provenance {
+        let question = facts.chapters.first().map_or("", |chapter| &*chapter.experiment.question);
+        let path = folder.join(research_object::FILE);
+        research_object::text(folder, facts.title(), question, provenance)
+            .and_then(|text| std::fs::write(&path, text))
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     let optional = facts.culprits.absent.iter().map(sections::trust::failures::culprit);
