@@ -23,6 +23,7 @@
 
 pub mod boxes;
 mod columns;
+mod doubts;
 pub mod exchange;
 mod formats;
 mod frames;

@@ -9,6 +9,7 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 
 use crate::columns::shapes;
+use crate::doubts;
 use crate::formats;
 use crate::frames::{Choice, Stream};
 use crate::options::Options;
@@ -199,6 +200,7 @@ fn finished(
         particles.notices.push(Notice::Flat);
     }
     particles.notices.extend(shapes::notices(&particles));
+    particles.notices.extend(doubts::of_box(&particles));
     particles.source = Some(about.radius.clone());
     Ok((particles, about))
 }

@@ -23,13 +23,20 @@ pub(super) struct Header {
     pub split: Option<Split>,
     pub repeats: Option<Repeats>,
     pub declared: Option<Declared>,
+    /// Comments above the table.
+    pub comments: Vec<String>,
 }
+
+const MOST_COMMENTS: usize = 16;
+const LONGEST_COMMENT: usize = 1000;
 
 #[derive(Default)]
 struct Comments {
     columns: Option<Columns>,
     format: bool,
     edges: Option<[f64; 3]>,
+    /// The first comments that name no columns.
+    others: Vec<String>,
 }
 
 pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Header> {
@@ -66,6 +73,7 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<He
         let periodic = Some(edges.map(|edge| edge > 0.0));
         Declared::between(&edges.map(|edge| [0.0, edge]), periodic)
     });
+    table.comments = comments.others;
     table.is_row = more && (table.is_row || lines.advance()?);
     Ok(table)
 }
@@ -89,6 +97,8 @@ impl Comments {
         let chosen = columns.chosen("", options.columns).ok().filter(Columns::has_places);
         if chosen.is_some() && (is_format || !self.format) {
             self.columns = chosen;
+        } else if self.others.len() < MOST_COMMENTS {
+            self.others.push(text.chars().take(LONGEST_COMMENT).collect());
         }
         self.format |= is_format;
         Ok(())

@@ -22,6 +22,7 @@ mod split;
 use anyhow::{Context, ensure};
 
 use crate::columns::Columns;
+use crate::doubts;
 use crate::formats::csv::header::Header;
 use crate::formats::csv::repeats::Repeats;
 use crate::frames::{Choice, Reader, Step};
@@ -141,7 +142,12 @@ impl Header {
             among("lx ly lz boxx boxy boxz boxlx boxly boxlz", &name)
         };
         let edges: Vec<String> = self.columns.names.iter().filter(is_edge).cloned().collect();
-        if edges.len() > 1 && self.declared.is_none() && !options.boundaries.replace_box() {
+        let no_box = self.declared.is_none() && !options.boundaries.replace_box();
+        let comments = self.comments.iter().filter(|_| no_box);
+        let doubts: Vec<_> =
+            comments.filter_map(|it| doubts::of_comment(it, &particles)).take(1).collect();
+        particles.notices.extend(doubts);
+        if edges.len() > 1 && no_box {
             particles.notices.push(assumed!(
                 "{} are not read; give --box LX,LY,LZ if they are a box, otherwise --open",
                 listed(&edges)

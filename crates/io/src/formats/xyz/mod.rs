@@ -18,6 +18,7 @@ use comment::{Comment, Pair};
 
 use crate::boxes;
 use crate::columns::{Column, Columns};
+use crate::doubts;
 use crate::frames::Framed;
 use crate::options::{Opened, Options};
 use crate::particles::Loaded;
@@ -113,6 +114,15 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
             rows.particles.notices.push(notice);
         }
         rows.push(line, lines)?;
+    }
+    let is_number = |word: &[u8]| number(word).is_some();
+    if plain
+        && declared.is_none()
+        && !options.boundaries.replace_box()
+        && words(line.as_bytes()).all(is_number)
+    {
+        let doubt = doubts::of_comment(&line, &rows.particles);
+        rows.particles.notices.extend(doubt);
     }
     let (particles, about) = rows.read(if plain { "XYZ" } else { "extended XYZ" });
     let first = |key: &str| comment.get(key)?.cells.first().map(String::as_bytes);
