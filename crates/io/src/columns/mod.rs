@@ -1,5 +1,6 @@
 //! The columns of a file or the arrays of an archive: their names and meaning.
 
+pub mod advice;
 pub mod chosen;
 pub mod shapes;
 pub mod units;

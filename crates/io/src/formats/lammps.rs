@@ -15,6 +15,7 @@ use anyhow::{Context, bail, ensure};
 
 use crate::boxes::{bound, in_order};
 use crate::columns::Columns;
+use crate::columns::advice::unclear;
 use crate::options::Options;
 use crate::particles::Loaded;
 use crate::raw::lines::{Lines, Source, short, shown, whole, words};
@@ -159,12 +160,10 @@ fn atoms(
         let Some(rows) = &mut rows else { continue };
         if style.is_none() && !chosen && rows.columns.names.len() == 6 {
             let kind = words(line).nth(2).unwrap_or_default();
-            ensure!(
-                whole(kind).is_some(),
-                "{lines}: column 3 holds '{}': give --columns x=4,y=5,z=6 if it is a charge, or \
-                 x=3,y=4,z=5 if it is a coordinate",
-                shown(kind)
-            );
+            if whole(kind).is_none() {
+                let kind = shown(kind);
+                return Err(unclear!("{lines}: column 3 holds '{kind}', a charge or a coordinate"));
+            }
         }
         rows.push(line, lines)?;
     }
@@ -173,9 +172,8 @@ fn atoms(
 
 fn styled(style: &str) -> anyhow::Result<Columns> {
     let found = STYLES.iter().find(|(name, _)| *name == style);
-    let (_, names) = found.with_context(|| {
-        format!("the atom style '{}' is not supported; give --columns x=3,y=4,z=5", short(style))
-    })?;
+    let (_, names) =
+        found.ok_or_else(|| unclear!("the atom style '{}' is not supported", short(style)))?;
     Ok(Columns { or_more: true, ..Columns::of(names) })
 }
 
@@ -183,9 +181,7 @@ fn unstyled(count: usize) -> anyhow::Result<Columns> {
     let names = match count {
         5 => "id type x y z",
         6 => "id other type x y z",
-        _ => bail!(
-            "{count} columns, and no style as in 'Atoms # sphere'; give --columns x=3,y=4,z=5"
-        ),
+        _ => return Err(unclear!("{count} columns, and no style as in 'Atoms # sphere'")),
     };
     Ok(Columns { or_more: true, ..Columns::of(names) })
 }

@@ -6,8 +6,9 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, anyhow, ensure};
 
+use crate::columns::advice::{self, Unclear};
 use crate::columns::shapes;
 use crate::doubts;
 use crate::formats;
@@ -99,7 +100,11 @@ pub fn frames_from<T>(
         let reader = formats::find(head, name, ending, options)?.open(source, options);
         let mut choice = Choice::new(options.frame, options.survey);
         choice.gzip = gzip;
-        body(Frames { stream: Stream::new(reader, choice, name), options })
+        let read = body(Frames { stream: Stream::new(reader, choice, name), options });
+        read.map_err(|error| match error.chain().any(|cause| cause.is::<Unclear>()) {
+            true => anyhow!("{error:#}; {}", advice::of(head, options.radius.is_some())),
+            false => error,
+        })
     })
 }
 

@@ -1,10 +1,11 @@
 //! The start of a table: comments, a box, and the names of the columns.
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 
 use super::repeats::Repeats;
 use super::split::{self, Split};
 use crate::columns::Columns;
+use crate::columns::advice::unclear;
 use crate::columns::chosen::Chosen;
 use crate::options::Options;
 use crate::raw::lines::{Lines, Separator, decoded, header_of, is_comment, number, words};
@@ -151,16 +152,15 @@ fn named_by(
     let header = named(line);
     let numbers = separator.cells(line).filter(|cell| is_number(cell)).count();
     let sound_names = header.has_places() || numbers < 2;
-    ensure!(sound_names, "{place}: numbers stand where the columns are named; {ASSIGN}");
+    if !sound_names {
+        return Err(unclear!("{place}: numbers stand where the columns are named"));
+    }
     let columns = Columns {
         or_fewer: separator != Separator::Blanks,
         ..header.chosen(&place, options.columns)?
     };
     Ok(Header { columns, ..table })
 }
-
-const ASSIGN: &str =
-    "add a header such as x,y,z,r, or assign the columns: --columns x=1,y=2 and so on";
 
 fn unnamed(
     count: usize,
@@ -177,7 +177,7 @@ fn unnamed(
         (3, Options { dim: Some(3), .. } | Options { radius: Some(_), .. }) => "x y z",
         (4, _) => "x y z r",
         (5, _) if is_packing => "x y z r clumpId",
-        _ => bail!("{place}: {count} columns without a header; {ASSIGN}"),
+        _ => return Err(unclear!("{place}: {count} columns without a header such as x,y,z,r")),
     };
     Columns::of(names).chosen(place, options.columns)
 }

@@ -17,6 +17,7 @@ use anyhow::{Context, ensure};
 use comment::{Comment, Pair};
 
 use crate::boxes;
+use crate::columns::advice::unclear;
 use crate::columns::{Column, Columns};
 use crate::doubts;
 use crate::frames::Framed;
@@ -97,18 +98,17 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<Load
         let line = lines.line();
         let first_cell = words(line).next().unwrap_or_default();
         let named = !unsure || number(first_cell).is_none_or(|value| value.fract() == 0.0);
-        let first = shown(first_cell);
-        ensure!(named, "{lines}: '{first}' is not a species; give --columns x=1,y=2,z=3,r=4");
+        if !named {
+            return Err(unclear!("{lines}: '{}' is not a species", shown(first_cell)));
+        }
         let count = words(line).count();
         let many = unsure && count > rows.columns.names.len();
-        let last = count.saturating_sub(2);
         // Coordinates follow the name of a species, but not always a number.
-        ensure!(
-            !many || options.radius.is_some() && number(first_cell).is_none(),
-            "{lines}: {count} columns, and plain XYZ has 4; give --columns x=2,y=3,z=4 or \
-             x={last},y={},z={count}, or Properties in line 2",
-            last + 1
-        );
+        if many && (options.radius.is_none() || number(first_cell).is_some()) {
+            return Err(unclear!(
+                "{lines}: {count} columns without Properties in line 2, and plain XYZ has 4"
+            ));
+        }
         if many && k == 0 {
             let notice = assumed!("x, y, z are columns 2 to 4 of {count}; --columns changes this");
             rows.particles.notices.push(notice);
