@@ -6,6 +6,7 @@ mod gsd;
 mod lammps;
 pub mod npy;
 pub(super) mod npz;
+mod poscar;
 pub(super) mod unread;
 mod vtk;
 mod xyz;
@@ -75,7 +76,7 @@ macro_rules! formats {
 }
 
 /// All formats, in the order in which their `tells` is tried.
-pub static FORMATS: [Format; 8] = formats! {
+pub static FORMATS: [Format; 9] = formats! {
     "npy" "NumPy" ["npy"], "\\x93NUMPY; write it with numpy.save", "NumPy array",
         |head| head.starts_with(npy::MAGIC), Read::Frames(npy::frames);
     "npz" "NumPy npz" ["npz"], "PK; write it with numpy.savez", "NumPy archive of arrays",
@@ -87,6 +88,8 @@ pub static FORMATS: [Format; 8] = formats! {
         |head| head.starts_with(b"# vtk DataFile"), Read::Whole(vtk::read);
     "lammps-data" "LAMMPS data" ["lmp"], "", "LAMMPS data",
         lammps::tells, Read::Whole(lammps::read);
+    "poscar" "POSCAR" ["poscar", "contcar", "vasp"], "", "POSCAR and CONTCAR of VASP",
+        poscar::tells, Read::Whole(poscar::read);
     "xyz" "XYZ" ["xyz", "extxyz"], "", "XYZ and extended XYZ",
         xyz::tells, Read::Frames(xyz::frames);
     "gsd" "GSD" ["gsd"], "the bytes of GSD; write it with HOOMD or the Python package gsd",
@@ -123,8 +126,8 @@ pub fn find(
 fn detected(head: &[u8], name: &str, ending: &str) -> anyhow::Result<&'static Format> {
     unread::refuse(head, name)?;
     let ended = FORMATS.iter().find(|format| format.endings.contains(&ending));
-    // Rows of numbers may look like another text, so the endings csv and xyz decide among texts.
-    let text = ended.filter(|format| matches!(format.key, "csv" | "xyz"));
+    // Rows of numbers may look like another text, so these endings decide among texts.
+    let text = ended.filter(|format| matches!(format.key, "csv" | "xyz" | "poscar"));
     let tells =
         |format: &&Format| (format.tells)(head) && (text.is_none() || !format.begins.is_empty());
     let format = FORMATS.iter().find(tells).or(text.filter(|_| !head.contains(&0)));

@@ -65,7 +65,11 @@ fn opened<T>(
     ensure!(!path.is_dir(), "{name} is a folder; give a file, or a pattern of files in quotes");
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
     let packed = path.file_stem().filter(|_| ending(path) == "gz").map(Path::new);
-    frames_from(file, &name, &ending(packed.unwrap_or(path)), options, body)
+    // The names POSCAR and CONTCAR have no ending.
+    let path = packed.unwrap_or(path);
+    let bare = path.file_name().filter(|_| path.extension().is_none()).unwrap_or_default();
+    let ending = ending(path) + &bare.to_string_lossy().to_ascii_lowercase();
+    frames_from(file, &name, &ending, options, body)
 }
 
 /// Returns the ending of a file name, in lower case.

@@ -27,9 +27,9 @@ use crate::pairs;
 macro_rules! files {
     ($($name:literal),*) => { [$(($name, include_str!(concat!($name, ".txt")))),*] };
 }
-const FILES: [(&str, &str); 13] = files![
-    "arrays", "boxes", "codes", "columns", "formats", "frames", "lists", "programs", "refused",
-    "tables", "unread", "vtk", "xyz"
+const FILES: [(&str, &str); 14] = files![
+    "arrays", "boxes", "codes", "columns", "formats", "frames", "lists", "poscar", "programs",
+    "refused", "tables", "unread", "vtk", "xyz"
 ];
 
 fn number(kind: &str, x: f64) -> Vec<u8> {
