@@ -14,12 +14,10 @@
 //! [`recorder`], a probe that also counts their operations.
 //!
 //! * [`state`]: contents of the arrays; `words`: a sentence for each step.
-//! * `picture`, `arrays`: scene and arrays of a step as SVG; [`page`]: all steps as one HTML page.
+//! * [`page`]: all steps as one HTML page, whose script draws scene and arrays.
 
-mod arrays;
 pub mod example;
 pub mod page;
-mod picture;
 pub mod recorder;
 pub mod state;
 mod words;
@@ -54,7 +52,7 @@ contactbench_terms::named! {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Disc {
     pub at: [f64; 2],
     pub r: f64,

@@ -6,7 +6,7 @@ use contactbench_ground::probe::event::{Event, Part};
 use contactbench_ground::probe::{Op, Probe, Tally};
 
 /// How particles and cells are numbered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Names {
     /// Number of the first particle: 1 for examples of the book, else 0.
     pub first: u32,
@@ -46,7 +46,7 @@ impl Names {
     }
 }
 
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Marks {
     pub row: Option<u32>,
     pub central: Option<[u32; 2]>,

@@ -2,11 +2,57 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use crate::trace::Algorithm;
-use crate::trace::arrays::{ArrayKind, blocks};
 use contactbench_ground::probe::event::Event;
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Serialize)]
+pub enum ArrayKind {
+    /// Heads (first particles) of lists along an axis.
+    Heads(usize),
+    /// Heads of the lists of all cells.
+    Matrix,
+    Particles,
+    /// Column (0) or row (1) of the particle at each place of the sorted order.
+    Keys(usize),
+    /// A half of each node of the tree.
+    Nodes,
+}
+
+/// Letter, kind and title of an array.
+pub type Array = (char, ArrayKind, &'static str);
+
+const NEXT: Array = ('E', ArrayKind::Particles, "E: next particle in the cell");
+
+pub fn arrays(algorithm: Algorithm) -> &'static [Array] {
+    match algorithm {
+        Algorithm::Nbs => &[
+            ('B', ArrayKind::Heads(1), "B: first particle of each row"),
+            ('Y', ArrayKind::Particles, "Y: next particle in the row"),
+            ('A', ArrayKind::Heads(0), "A: first particle of each column, in the central row"),
+            (
+                'a',
+                ArrayKind::Heads(0),
+                "A\u{2032}: first particle of each column, in the row below",
+            ),
+            ('X', ArrayKind::Particles, "X: next particle in the cell"),
+        ],
+        Algorithm::Screening => &[('C', ArrayKind::Matrix, "C: first particle of each cell"), NEXT],
+        Algorithm::Sorting => &[
+            ('X', ArrayKind::Keys(0), "X: columns"),
+            ('Y', ArrayKind::Keys(1), "Y: rows"),
+            ('D', ArrayKind::Particles, "D: particles"),
+        ],
+        Algorithm::BinaryTree => &[
+            ('L', ArrayKind::Nodes, "L: lower half of each node: a node (n) or the first particle"),
+            ('U', ArrayKind::Nodes, "U: upper half of each node: a node (n) or the first particle"),
+            NEXT,
+        ],
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Slot {
     /// A particle, a key of the sorting detector, or a node; `None` is shown as -1.
     pub value: Option<u32>,
@@ -17,7 +63,7 @@ pub struct Slot {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
-    /// Arrays by letter; [`blocks`] lists the letters.
+    /// Arrays by letter; [`arrays`] lists the letters.
     arrays: BTreeMap<char, Vec<Slot>>,
     pub contacts: Vec<[u32; 2]>,
 }
@@ -39,7 +85,7 @@ impl State {
     /// cells along each axis.
     pub fn new(algorithm: Algorithm, n: usize, cells: [usize; 2]) -> State {
         let mut state = State::default();
-        for &(letter, kind, _) in blocks(algorithm) {
+        for &(letter, kind, _) in arrays(algorithm) {
             let length = match kind {
                 ArrayKind::Heads(axis) => cells[axis],
                 ArrayKind::Matrix => cells[0] * cells[1],
@@ -99,6 +145,14 @@ impl State {
         if let Some(slot) = self.slot(letter, at) {
             *slot = Slot { value, ..Slot::default() };
         }
+    }
+
+    /// Returns the slots that differ from those of an earlier state: letter, index and slot.
+    pub fn changes(&self, before: &State) -> Vec<(char, usize, Slot)> {
+        let slots = self.arrays.iter().flat_map(|(&letter, slots)| {
+            slots.iter().enumerate().map(move |(at, slot)| (letter, at, *slot))
+        });
+        slots.filter(|(letter, at, slot)| before.array(*letter).get(*at) != Some(slot)).collect()
     }
 
     /// Returns the array of this letter; empty if the algorithm has none.
